@@ -1,0 +1,94 @@
+/* The one table of settings: everything that can change a pixel or the octree is one row here, with its unit, range,
+ * default, the error it trades and the reference it is measured against. Command line (--set name=value), files,
+ * reports, --help and the ledger all read this table; a setting that is not a row does not exist.
+ *
+ * Adding a row adds the field, the option, the help text, the report entry and the range check. Any thread. */
+#ifndef GW_BASE_SETTINGS_H
+#define GW_BASE_SETTINGS_H
+
+#include "base/status.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* GW_ROW(field, kind, default, minimum, maximum, choices, stage, unit, trades, reference, help)
+ * kind: REAL, INTEGER, SWITCH (0 or 1) or CHOICE (index into choices, "a|b|c").
+ * stage: BUILD (changes the octree's bytes), FRAME (travels in the frame state). */
+#define GW_SETTINGS_TABLE(GW_ROW)                                                                                     \
+    GW_ROW(octree_depth, INTEGER, 11, 1, 15, "", BUILD, "levels", "voxel size against memory and build time",          \
+           "depth 15 or exact triangles (tau 0)", "deepest octree level; the root cube has side 2")                    \
+    GW_ROW(leaf_triangles, INTEGER, 4, 1, 255, "", BUILD, "triangles", "tests per ray against nodes",                  \
+           "any value gives the same pixels at tau 0", "a cell with at most this many triangles becomes a leaf (K)")   \
+    GW_ROW(fan_rule, SWITCH, 1, 0, 1, "", BUILD, "", "tests per ray against nodes",                                    \
+           "off gives the same pixels at tau 0", "a cell whose triangles all share one vertex becomes a leaf")         \
+    GW_ROW(fan_cap, INTEGER, 32, 3, 4096, "", BUILD, "triangles", "tests per ray against nodes",                       \
+           "any value gives the same pixels at tau 0", "largest fan that the fan rule keeps in one leaf")              \
+    GW_ROW(isolation_rule, SWITCH, 1, 0, 1, "", BUILD, "", "small isolated things in coarse voxels against nodes",     \
+           "off gives the same pixels at tau 0", "refine leaves whose triangles are a small isolated thing")           \
+    GW_ROW(geometry, CHOICE, 0, 0, 2, "hybrid|triangles|voxels", FRAME, "", "voxel error against triangle tests",       \
+           "triangles", "what rays meet: triangles and voxels by footprint, triangles only, or finest voxels only")    \
+    GW_ROW(tau, REAL, 1.0, 0.0, 64.0, "", FRAME, "footprints", "voxel error against steps and tests", "tau 0",         \
+           "outside the gaze ellipsoid a cell no wider than tau footprints stands for its contents")                   \
+    GW_ROW(tau_inside, REAL, 0.0, 0.0, 64.0, "", FRAME, "footprints", "voxel error against steps and tests", "tau 0",  \
+           "tau inside the gaze ellipsoid; 0 is exact triangles")                                                      \
+    GW_ROW(gaze_half_width, REAL, 8.0, 0.0, 90.0, "", FRAME, "deg", "sharp area against cost", "90 (no foveation)",    \
+           "horizontal half-angle of the gaze ellipsoid")                                                              \
+    GW_ROW(gaze_half_height, REAL, 6.0, 0.0, 90.0, "", FRAME, "deg", "sharp area against cost", "90 (no foveation)",   \
+           "vertical half-angle of the gaze ellipsoid")                                                                \
+    GW_ROW(gaze_margin, REAL, 3.0, 0.0, 45.0, "", FRAME, "deg", "tolerance to tracker error against cost", "45",       \
+           "the acuity model starts this far outside the ellipsoid")                                                   \
+    GW_ROW(gaze_blend, REAL, 2.0, 0.0, 45.0, "", FRAME, "deg", "visible border against cost", "45",                    \
+           "tau grows from tau_inside to tau over this angle outside the ellipsoid")                                   \
+    GW_ROW(acuity_slope, REAL, 0.022, 0.0, 0.2, "", FRAME, "deg/deg", "blur in the periphery against cost", "0",       \
+           "growth of the smallest resolvable period with eccentricity (m of MAR(e) = 1/48 + m e)")                    \
+    GW_ROW(level_blend, SWITCH, 1, 0, 1, "", FRAME, "", "visible level steps against cost", "on",                      \
+           "blend a voxel with its children where the footprint lies between two levels")                              \
+    GW_ROW(leaf_blend, SWITCH, 1, 0, 1, "", FRAME, "", "visible triangle-to-voxel steps against cost", "on",           \
+           "blend a leaf's triangles with its voxel while the footprint grows from half to all of the leaf")           \
+    GW_ROW(texture_filter, CHOICE, 2, 0, 2, "nearest|bilinear|trilinear", FRAME, "", "texture aliasing against fetches", \
+           "trilinear", "how base-colour textures are read at the ray's footprint")                                    \
+    GW_ROW(triangle_precision, CHOICE, 0, 0, 1, "float|double", FRAME, "", "rounding at shared edges against time",    \
+           "double", "arithmetic of the watertight triangle test where an edge product is exactly zero")
+
+typedef struct gw_settings {
+#define GW_FIELD_REAL(field) double field
+#define GW_FIELD_INTEGER(field) int32_t field
+#define GW_FIELD_SWITCH(field) int32_t field
+#define GW_FIELD_CHOICE(field) int32_t field
+#define GW_ROW_FIELD(field, kind, ...) GW_FIELD_##kind(field);
+    GW_SETTINGS_TABLE(GW_ROW_FIELD)
+#undef GW_ROW_FIELD
+#undef GW_FIELD_REAL
+#undef GW_FIELD_INTEGER
+#undef GW_FIELD_SWITCH
+#undef GW_FIELD_CHOICE
+} gw_settings;
+
+typedef enum gw_setting_kind { GW_SETTING_REAL, GW_SETTING_INTEGER, GW_SETTING_SWITCH, GW_SETTING_CHOICE } gw_setting_kind;
+typedef enum gw_setting_stage { GW_SETTING_BUILD, GW_SETTING_FRAME } gw_setting_stage;
+enum { GW_GEOMETRY_HYBRID, GW_GEOMETRY_TRIANGLES, GW_GEOMETRY_VOXELS };
+enum { GW_FILTER_NEAREST, GW_FILTER_BILINEAR, GW_FILTER_TRILINEAR };
+enum { GW_PRECISION_FLOAT, GW_PRECISION_DOUBLE };
+
+typedef struct gw_setting_row {
+    const char *name;
+    gw_setting_kind kind;
+    gw_setting_stage stage;
+    double initial, minimum, maximum;
+    const char *choices, *unit, *trades, *reference, *help;
+    size_t offset; /* of the field in gw_settings */
+} gw_setting_row;
+
+extern const gw_setting_row gw_setting_rows[];
+extern const size_t gw_setting_count;
+
+void gw_settings_init(gw_settings *settings); /* every field at its default */
+
+/* "name=value"; GW_BAD_INPUT names the row's range or choices, or the nearest known name. */
+gw_code gw_settings_assign(gw_settings *settings, const char *assignment, gw_error *error);
+
+double gw_setting_value(const gw_settings *settings, const gw_setting_row *row);
+/* The value as --set takes it: "1", "0.022", "hybrid", "on". */
+void gw_setting_text(const gw_settings *settings, const gw_setting_row *row, char text[64]);
+
+#endif

@@ -1,0 +1,133 @@
+/* A checked scene: what the importer made of a model file, a YAML scene or the demo scene, ready for the octree.
+ *
+ * All numbers are finite, all indices in range, no triangle is degenerate after rebasing. Positions are rebased: in
+ * double precision about the scene's centre and scaled by a power of two, so that the longest side of the bounding box is
+ * in [1,2) and every coordinate in [-1,1]; scene metres = rebased * 2^exponent + centre. Triangles are in canonical order
+ * (Morton code of the centroid, then content), so a triangle's id does not depend on the order in the file.
+ * Owned by whoever called the import; read-only afterwards; any thread may read. */
+#ifndef GW_BUILD_SCENE_H
+#define GW_BUILD_SCENE_H
+
+#include "base/hash.h"
+#include "base/image.h"
+#include "base/log.h"
+#include "base/status.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+typedef enum gw_alpha_mode { GW_ALPHA_OPAQUE, GW_ALPHA_MASK, GW_ALPHA_BLEND } gw_alpha_mode;
+typedef enum gw_wrap { GW_WRAP_REPEAT, GW_WRAP_CLAMP, GW_WRAP_MIRROR } gw_wrap;
+
+typedef struct gw_material {
+    char name[64];
+    float base_color[4]; /* linear, 0..1; alpha last */
+    float metalness;     /* 0..1 */
+    float roughness;     /* perceptual, 0..1 */
+    float emissive[3];   /* linear radiance factor, >= 0 */
+    gw_alpha_mode alpha_mode;
+    float alpha_cutoff; /* for GW_ALPHA_MASK */
+    int32_t two_sided;
+    int32_t base_color_texture; /* index into textures, -1 for none */
+} gw_material;
+
+typedef struct gw_texture {
+    char name[256];
+    gw_image image; /* sRGB-encoded colour, straight alpha */
+    gw_wrap wrap_u, wrap_v;
+} gw_texture;
+
+typedef enum gw_light_kind { GW_LIGHT_DIRECTIONAL, GW_LIGHT_POINT } gw_light_kind;
+typedef struct gw_light {
+    gw_light_kind kind;
+    double vector[3]; /* directional: unit direction in which the light travels; point: position in scene metres */
+    float color[3];   /* linear; directional: irradiance on a facing surface; point: the same at 1 m */
+} gw_light;
+
+typedef struct gw_viewpoint {
+    char name[64];
+    double eye[3], look_at[3]; /* scene metres */
+    double up[3];              /* not parallel to the view */
+    double fov;                /* vertical, deg, 1..170 */
+} gw_viewpoint;
+
+/* A camera path: eye and look-at by time, linear between keys (seconds, rising). */
+typedef struct gw_camera_key {
+    double time;
+    double eye[3], look_at[3];
+} gw_camera_key;
+
+typedef struct gw_camera_path {
+    char name[64];
+    size_t key_count;
+    gw_camera_key *keys;
+} gw_camera_path;
+
+/* How scene space (metres, y up, right-handed) is placed in wall space (mm):
+ * FIT_BEHIND_WALL: scaled so that the bounding box fits the wall's width and height and pushed behind the wall;
+ * VIEWPOINT: the neutral viewer stands at viewpoint 0 and looks along it, `scale` wall mm per scene mm;
+ * MATRIX: wall_mm = matrix * scene_m, a similarity (rotation, uniform scale, translation). */
+typedef enum gw_placement_kind { GW_PLACE_FIT_BEHIND_WALL, GW_PLACE_VIEWPOINT, GW_PLACE_MATRIX } gw_placement_kind;
+typedef struct gw_placement {
+    gw_placement_kind kind;
+    double scale;         /* VIEWPOINT: > 0, default 1 */
+    double matrix[3][4];  /* MATRIX: rows; [row][3] in mm */
+} gw_placement;
+
+/* Triangles that the import dropped, by reason. */
+typedef struct gw_dropped {
+    uint64_t non_finite;   /* a vertex is NaN or infinite */
+    uint64_t bad_index;    /* an index outside the vertices */
+    uint64_t zero_area;    /* repeated vertex or exactly collinear, in the file's own precision */
+    uint64_t collapsed;    /* became zero-area by rebasing to float */
+    uint64_t not_triangle; /* points and lines */
+} gw_dropped;
+
+typedef struct gw_scene {
+    char *path; /* of the file the user named; "demo" for the embedded one */
+    gw_hash hash; /* of everything below that reaches a pixel */
+
+    uint32_t vertex_count;
+    float *positions;  /* [vertex_count][3], rebased */
+    float *normals;    /* [vertex_count][3] unit shading normals; a zero vector means: use the geometric one */
+    float *texcoords;  /* [vertex_count][2], v downwards (row 0 of the image is v = 0); zero where there are none */
+    uint8_t *colors;   /* [vertex_count][4] linear factor 0..255, NULL when no vertex has one */
+    uint32_t *welded;  /* [vertex_count] id of the position: equal for bit-equal rebased positions, 0..welded_count-1 */
+    uint32_t welded_count;
+
+    uint32_t triangle_count;
+    uint32_t (*triangles)[3]; /* vertex indices, canonical order */
+    uint32_t *material_of;    /* [triangle_count] */
+
+    uint32_t material_count, texture_count, light_count, viewpoint_count, path_count;
+    gw_material *materials;
+    gw_texture *textures;
+    gw_light *lights;
+    gw_viewpoint *viewpoints;
+    gw_camera_path *paths;
+    float ambient[3];    /* linear irradiance from everywhere */
+    float background[3]; /* linear radiance where no surface is */
+    gw_placement placement;
+
+    double centre[3];    /* scene metres */
+    int32_t exponent;    /* scene metres = rebased * 2^exponent + centre */
+    double bounds[2][3]; /* least and greatest corner, scene metres */
+
+    gw_dropped dropped;
+    /* What the importer decided because the file did not say, and what it could not carry ("no light: ...",
+     * "KHR_materials_sheen: ignored"), one line each, for inspect and the report. */
+    size_t note_count;
+    char **notes;
+} gw_scene;
+
+void gw_scene_destroy(gw_scene **scene);
+
+/* Appends a note (printf form). */
+gw_code gw_scene_note(gw_scene *scene, gw_error *error, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+/* Finishes a scene whose file-side arrays are filled: `world` positions in scene metres as double
+ * [vertex_count][3]; checks, drops, rebases, welds, sorts into canonical order, hashes. On failure the scene is still
+ * destroyable. GW_BAD_INPUT when nothing is left to draw. */
+gw_code gw_scene_finish(gw_scene *scene, const double *world, gw_error *error);
+
+#endif

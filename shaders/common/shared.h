@@ -1,0 +1,43 @@
+// Declared once for C and GLSL: every structure that both sides see. Only 16-byte rows (vec4, uvec4, ivec4), so that
+// std140, std430 and C agree; a unit test checks the C sizes against the driver's.
+// C code includes this through build/gpu_types.h, which defines GW_HOST; GLSL includes it as it stands.
+#ifndef GW_SHARED_H
+#define GW_SHARED_H
+#ifdef GW_HOST
+#define GW_STRUCT_BEGIN(name) typedef struct name {
+#define GW_STRUCT_END(name) } name;
+#else
+#define GW_STRUCT_BEGIN(name) struct name {
+#define GW_STRUCT_END(name) };
+#endif
+
+#define GW_MAXIMUM_VIEWERS 4
+#define GW_NO_TRIANGLE 0xffffffffu
+
+// Octree node, 8 bytes (uvec2).
+//   x  inner: index of its first child; siblings are packed in child order, found by popcount of the valid mask.
+//      leaf:  a triangle id (kind GW_LEAF_SINGLE) or the first index of its list in the reference array.
+//   y  bits 0-7 valid mask (children that exist), bits 8-15 leaf mask (children that are leaves), bits 16-31 flags.
+// Child i of a cell is at +x for bit 0, +y for bit 1, +z for bit 2. The payload has the same index as the node.
+#define GW_NODE_VALID(y) ((y) & 0xffu)
+#define GW_NODE_LEAVES(y) (((y) >> 8) & 0xffu)
+#define GW_NODE_FLAGS(y) ((y) >> 16)
+#define GW_NODE_KIND(y) (((y) >> 16) & 0xfu)
+#define GW_KIND_INNER 0u
+#define GW_LEAF_LIST 1u
+#define GW_LEAF_SINGLE 2u
+// Reference array: triangle ids; the last of a list carries this bit. Entry 0 is reserved.
+#define GW_REFERENCE_LAST 0x80000000u
+#define GW_REFERENCE_ID 0x7fffffffu
+
+// Payload of a node, 12 bytes (uvec3): what the cell looks like as one voxel.
+//   x  bits 0-9, 10-19, 20-29: red, green, blue, sRGB-encoded to 10 bits; bit 30: two-sided (opposed normals met);
+//      bit 31: normal is meaningless (use the ray's).
+//   y  bits 0-11, 12-23: octahedral unit normal; bits 24-31: length of the mean normal in 1/255 (1: flat, 0: all ways).
+//   z  bits 0-15: area of the surface in the cell over the cell's face area, in 1/4096, at most 65535; bits 16-23:
+//      perceptual roughness in 1/255; bits 24-31: metalness in 1/255.
+#define GW_PAYLOAD_TWO_SIDED 0x40000000u
+#define GW_PAYLOAD_NO_NORMAL 0x80000000u
+#define GW_PAYLOAD_AREA_SCALE 4096.0
+
+#endif

@@ -1,0 +1,67 @@
+/* Tracks: recordings of trackers, and what they say at a moment.
+ *
+ * A track is a VRPN log file (docs/tracks.md): Pos_Quat reports of a head sensor and, if there is one, a gaze sensor
+ * whose orientation is the gaze (its -z axis). Poses are in wall space: millimetres, right-handed, the viewer looks along
+ * -z at the wall, y up. Reading is hostile-safe: every length is bounded, unknown records are counted and skipped.
+ * Read-only after loading; any thread may sample it. */
+#ifndef GW_TRACKING_TRACK_H
+#define GW_TRACKING_TRACK_H
+
+#include "base/log.h"
+#include "base/status.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+enum { GW_SENSOR_HEAD = 0, GW_SENSOR_GAZE = 1 };
+
+/* One report of one sensor. Position in mm (wall space), orientation as unit quaternion x, y, z, w. */
+typedef struct gw_pose_report {
+    int64_t time; /* ns since the track's first report */
+    int32_t sensor;
+    double position[3];
+    double orientation[4];
+} gw_pose_report;
+
+/* What was skipped while reading, by reason; nothing is dropped in silence. */
+typedef struct gw_track_counters {
+    uint64_t records, poses, unknown_type, unknown_sender, bad_payload, bad_sensor, not_finite, out_of_order;
+} gw_track_counters;
+
+typedef struct gw_track {
+    char *name; /* the file, or "demo" */
+    size_t report_count;
+    gw_pose_report *reports; /* by rising time */
+    int64_t duration;        /* ns, of the last report */
+    char sender[96];         /* VRPN sender whose sensors these are */
+    gw_track_counters counters;
+} gw_track;
+
+typedef struct gw_track_options {
+    double unit;      /* mm per unit of the file; VRPN's convention is metres: 1000 (0 means 1000) */
+    const char *sender; /* NULL: the first sender that reports poses */
+    const gw_log *log;
+} gw_track_options;
+
+/* Reads a VRPN log. GW_BAD_INPUT names the file and the byte offset. */
+gw_code gw_track_load(const char *path, const gw_track_options *options, gw_track **out, gw_error *error);
+gw_code gw_track_parse(const void *data, size_t size, const char *name, const gw_track_options *options, gw_track **out,
+                       gw_error *error);
+/* The embedded demo track: a viewer in front of a wall of width x height mm centred on (0,0,0); the gaze crosses tile
+ * borders. It is read from configs/tracks/demo.vrpn, embedded, by the same reader, then scaled to the wall. */
+gw_code gw_track_demo(double width, double height, gw_track **out, gw_error *error);
+void gw_track_destroy(gw_track **track);
+
+/* Head and gaze at a moment; ages say how old the reports behind them are. */
+typedef struct gw_track_sample {
+    int has_head, has_gaze;
+    double eye[3];            /* mm */
+    double gaze_direction[3]; /* unit, wall space */
+    int64_t head_age, gaze_age; /* ns between the moment and the last report at or before it */
+    double confidence;        /* 0..1: 1 fresh, falls to 0 when reports have been missing for 0.5 s */
+} gw_track_sample;
+
+/* Interpolates (position linear, orientation slerp) between the reports around time (ns, clamped to the track). */
+void gw_track_at(const gw_track *track, int64_t time, gw_track_sample *out);
+
+#endif

@@ -1,0 +1,100 @@
+/* The demo track by formula: what configs/tracks/demo.vrpn records. Included by the tool that writes the file
+ * (make_demo_track.c) and by the test that proves the file to be its output, bit for bit.
+ *
+ * A viewer in front of a wall of 2000 x 1125 mm centred on (0,0,0): the head sways, the gaze rests on points
+ * of the wall, jumps between them (saccades of 40 to 60 ms) and follows one moving point, crossing the
+ * borders of a 2x2 wall in both directions. 60 Hz, 8 s, the last report like the first, so that it can be
+ * repeated without a jump. */
+#ifndef GW_TESTS_TOOLS_DEMO_TRACK_H
+#define GW_TESTS_TOOLS_DEMO_TRACK_H
+
+#include "base/portable_math.h"
+#include "tracking/track.h"
+#include "tracking/vrpn_log.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { DEMO_RATE = 60, DEMO_SECONDS = 8, DEMO_REPORTS = 2 * (DEMO_RATE * DEMO_SECONDS + 1) };
+
+/* From `from` until the next row's `from` the gaze rests on (or, if the next has travel 1, glides towards) a
+ * point. */
+typedef struct demo_fixation {
+    double from;   /* s */
+    double travel; /* s to get here from the point before: a saccade, or more for following something that
+                      moves */
+    double x, y;   /* mm on the wall */
+} demo_fixation;
+
+static const demo_fixation demo_fixations[] = {
+    {0.00, 0.00, 430.0, -60.0},   {0.60, 0.05, 380.0, 190.0},  {1.15, 0.06, -520.0, 120.0},
+    {1.85, 0.04, -430.0, -190.0}, {2.50, 0.06, 180.0, -260.0}, {3.05, 0.04, 30.0, 20.0},
+    {3.60, 0.05, -260.0, 300.0},  {4.20, 1.20, 540.0, 240.0},  {5.80, 0.06, -640.0, -60.0},
+    {6.40, 0.06, -120.0, -330.0}, {6.95, 0.05, 470.0, -280.0}, {7.50, 0.05, 430.0, -60.0},
+};
+
+/* 0..1 with no velocity and acceleration at either end, as eyes and heads move. */
+static inline double demo_ease(double t) {
+    if (t <= 0.0)
+        return 0.0;
+    return t >= 1.0 ? 1.0 : t * t * t * (10.0 - 15.0 * t + 6.0 * t * t);
+}
+
+static inline void demo_gaze_point(double time, double point[2]) {
+    size_t last = sizeof demo_fixations / sizeof demo_fixations[0] - 1, i = 0;
+    while (i < last && demo_fixations[i + 1].from <= time)
+        i++;
+    const demo_fixation *to = &demo_fixations[i], *before = i > 0 ? to - 1 : to;
+    double t = to->travel > 0.0 ? demo_ease((time - to->from) / to->travel) : 1.0;
+    /* A resting eye drifts by about a tenth of a degree: 3 mm here. */
+    double turn = 2.0 * GW_PI * time;
+    point[0] = before->x + (to->x - before->x) * t + 2.0 * gw_sin(turn * 1.75) + gw_sin(turn * 3.5);
+    point[1] = before->y + (to->y - before->y) * t + 2.0 * gw_sin(turn * 2.25) + gw_sin(turn * 4.0);
+}
+
+static inline void demo_eye(double time, double eye[3]) {
+    double turn = 2.0 * GW_PI * time / DEMO_SECONDS;
+    eye[0] = 280.0 * gw_sin(turn) + 30.0 * gw_sin(3.0 * turn);
+    eye[1] = 60.0 + 25.0 * gw_sin(2.0 * turn + 0.6) + 6.0 * gw_sin(7.0 * turn);
+    eye[2] = 1760.0 + 180.0 * gw_sin(turn + 1.9) + 20.0 * gw_sin(4.0 * turn);
+}
+
+/* Shortest turn from (0,0,-1) to a direction of any length. */
+static inline void demo_turn(const double direction[3], double q[4]) {
+    double length =
+        sqrt(direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2]);
+    q[0] = direction[1];
+    q[1] = -direction[0];
+    q[2] = 0.0;
+    q[3] = length - direction[2];
+    length = sqrt(q[0] * q[0] + q[1] * q[1] + q[3] * q[3]);
+    for (int i = 0; i < 4; i++)
+        q[i] /= length;
+}
+
+static inline void demo_record(gw_pose_report reports[DEMO_REPORTS]) {
+    for (int i = 0; i <= DEMO_RATE * DEMO_SECONDS; i++) {
+        double time = (double)i / DEMO_RATE, eye[3], point[2];
+        demo_eye(time, eye);
+        demo_gaze_point(time, point);
+        double to_wall[3] = {point[0] - eye[0], point[1] - eye[1], -eye[2]};
+        /* The head turns half as far as the eyes do. */
+        double facing[3] = {0.5 * to_wall[0], 0.5 * to_wall[1], to_wall[2]};
+        for (int sensor = 0; sensor < GW_TRACK_SENSORS; sensor++) {
+            gw_pose_report *report = &reports[2 * i + sensor];
+            *report = (gw_pose_report){.time = (int64_t)i * 1000000000 / DEMO_RATE, .sensor = sensor};
+            memcpy(report->position, eye, sizeof eye);
+            demo_turn(sensor == GW_SENSOR_GAZE ? to_wall : facing, report->orientation);
+        }
+    }
+}
+
+/* Writes the file; its clock starts at Unix second 1000000000. */
+static inline gw_code demo_write(const char *path, gw_error *error) {
+    static gw_pose_report reports[DEMO_REPORTS];
+    demo_record(reports);
+    gw_track track = {.report_count = DEMO_REPORTS, .reports = reports, .sender = "Demo0"};
+    return gw_vrpn_log_write(path, &track, 1000.0, 1000000000, error);
+}
+
+#endif

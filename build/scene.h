@@ -1,10 +1,12 @@
-/* A checked scene: what the importer made of a model file, a YAML scene or the demo scene, ready for the octree.
+/* A checked scene: what the importer made of a model file, a YAML scene or the demo scene, ready for the
+ * octree.
  *
- * All numbers are finite, all indices in range, no triangle is degenerate after rebasing. Positions are rebased: in
- * double precision about the scene's centre and scaled by a power of two, so that the longest side of the bounding box is
- * in [1,2) and every coordinate in [-1,1]; scene metres = rebased * 2^exponent + centre. Triangles are in canonical order
- * (Morton code of the centroid, then content), so a triangle's id does not depend on the order in the file.
- * Owned by whoever called the import; read-only afterwards; any thread may read. */
+ * All numbers are finite, all indices in range, no triangle is degenerate after rebasing. Positions are
+ * rebased: in double precision about the scene's centre and scaled by a power of two, so that the longest
+ * side of the bounding box is in [1,2) and every coordinate in [-1,1]; scene metres = rebased * 2^exponent +
+ * centre. Triangles are in canonical order (Morton code of the centroid, then content), so a triangle's id
+ * does not depend on the order in the file. Owned by whoever called the import; read-only afterwards; any
+ * thread may read. */
 #ifndef GW_BUILD_SCENE_H
 #define GW_BUILD_SCENE_H
 
@@ -40,7 +42,8 @@ typedef struct gw_texture {
 typedef enum gw_light_kind { GW_LIGHT_DIRECTIONAL, GW_LIGHT_POINT } gw_light_kind;
 typedef struct gw_light {
     gw_light_kind kind;
-    double vector[3]; /* directional: unit direction in which the light travels; point: position in scene metres */
+    double vector[3]; /* directional: unit direction in which the light travels; point: position in scene
+                         metres */
     float color[3];   /* linear; directional: irradiance on a facing surface; point: the same at 1 m */
 } gw_light;
 
@@ -64,14 +67,18 @@ typedef struct gw_camera_path {
 } gw_camera_path;
 
 /* How scene space (metres, y up, right-handed) is placed in wall space (mm):
- * FIT_BEHIND_WALL: scaled so that the bounding box fits the wall's width and height and pushed behind the wall;
- * VIEWPOINT: the neutral viewer stands at viewpoint 0 and looks along it, `scale` wall mm per scene mm;
+ * FIT_BEHIND_WALL: scaled so that the bounding box fits the wall's width and height and pushed behind the
+ * wall; VIEWPOINT: the neutral viewer stands at viewpoint 0 and looks along it, `scale` wall mm per scene mm;
  * MATRIX: wall_mm = matrix * scene_m, a similarity (rotation, uniform scale, translation). */
-typedef enum gw_placement_kind { GW_PLACE_FIT_BEHIND_WALL, GW_PLACE_VIEWPOINT, GW_PLACE_MATRIX } gw_placement_kind;
+typedef enum gw_placement_kind {
+    GW_PLACE_FIT_BEHIND_WALL,
+    GW_PLACE_VIEWPOINT,
+    GW_PLACE_MATRIX
+} gw_placement_kind;
 typedef struct gw_placement {
     gw_placement_kind kind;
-    double scale;         /* VIEWPOINT: > 0, default 1 */
-    double matrix[3][4];  /* MATRIX: rows; [row][3] in mm */
+    double scale;        /* VIEWPOINT: > 0, default 1 */
+    double matrix[3][4]; /* MATRIX: rows; [row][3] in mm */
 } gw_placement;
 
 /* Triangles that the import dropped, by reason. */
@@ -84,15 +91,17 @@ typedef struct gw_dropped {
 } gw_dropped;
 
 typedef struct gw_scene {
-    char *path; /* of the file the user named; "demo" for the embedded one */
+    char *path;   /* of the file the user named; "demo" for the embedded one */
     gw_hash hash; /* of everything below that reaches a pixel */
 
     uint32_t vertex_count;
-    float *positions;  /* [vertex_count][3], rebased */
-    float *normals;    /* [vertex_count][3] unit shading normals; a zero vector means: use the geometric one */
-    float *texcoords;  /* [vertex_count][2], v downwards (row 0 of the image is v = 0); zero where there are none */
-    uint8_t *colors;   /* [vertex_count][4] linear factor 0..255, NULL when no vertex has one */
-    uint32_t *welded;  /* [vertex_count] id of the position: equal for bit-equal rebased positions, 0..welded_count-1 */
+    float *positions; /* [vertex_count][3], rebased */
+    float *normals;   /* [vertex_count][3] unit shading normals; a zero vector means: use the geometric one */
+    float *texcoords; /* [vertex_count][2], v downwards (row 0 of the image is v = 0); zero where there are
+                         none */
+    uint8_t *colors;  /* [vertex_count][4] linear factor 0..255, NULL when no vertex has one */
+    uint32_t *welded; /* [vertex_count] id of the position: equal for bit-equal rebased positions,
+                         0..welded_count-1 */
     uint32_t welded_count;
 
     uint32_t triangle_count;
@@ -123,11 +132,18 @@ typedef struct gw_scene {
 void gw_scene_destroy(gw_scene **scene);
 
 /* Appends a note (printf form). */
-gw_code gw_scene_note(gw_scene *scene, gw_error *error, const char *format, ...) __attribute__((format(printf, 3, 4)));
+gw_code gw_scene_note(gw_scene *scene, gw_error *error, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 
 /* Finishes a scene whose file-side arrays are filled: `world` positions in scene metres as double
- * [vertex_count][3]; checks, drops, rebases, welds, sorts into canonical order, hashes. On failure the scene is still
- * destroyable. GW_BAD_INPUT when nothing is left to draw. */
+ * [vertex_count][3]; checks, drops, rebases, merges equal vertices, welds, sorts into canonical order,
+ * hashes. normals, texcoords and colors may be NULL (none); positions and welded are made here. The arrays
+ * are replaced: vertices stand in order of first use, each triangle starts with its least corner, so nothing
+ * depends on the order in the file. On failure the scene is still destroyable. GW_BAD_INPUT when nothing is
+ * left to draw. */
 gw_code gw_scene_finish(gw_scene *scene, const double *world, gw_error *error);
+
+/* Takes the hash again after lights, viewpoints or placement of a finished scene were changed. */
+void gw_scene_rehash(gw_scene *scene);
 
 #endif

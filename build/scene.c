@@ -1,0 +1,113 @@
+#include "build/scene.h"
+
+#include "base/memory.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+void gw_scene_destroy(gw_scene **scene_address) {
+    if (!scene_address || !*scene_address)
+        return;
+    gw_scene *scene = *scene_address;
+    for (uint32_t i = 0; scene->textures && i < scene->texture_count; i++)
+        gw_image_finish(&scene->textures[i].image);
+    for (uint32_t i = 0; scene->paths && i < scene->path_count; i++)
+        free(scene->paths[i].keys);
+    for (size_t i = 0; i < scene->note_count; i++)
+        free(scene->notes[i]);
+    free(scene->path);
+    free(scene->positions);
+    free(scene->normals);
+    free(scene->texcoords);
+    free(scene->colors);
+    free(scene->welded);
+    free(scene->triangles);
+    free(scene->material_of);
+    free(scene->materials);
+    free(scene->textures);
+    free(scene->lights);
+    free(scene->viewpoints);
+    free(scene->paths);
+    free(scene->notes);
+    free(scene);
+    *scene_address = NULL;
+}
+
+gw_code gw_scene_note(gw_scene *scene, gw_error *error, const char *format, ...) {
+    char *text = NULL;
+    va_list arguments;
+    va_start(arguments, format);
+    int length = vasprintf(&text, format, arguments);
+    va_end(arguments);
+    if (length < 0)
+        return gw_fail(error, GW_MACHINE, "out of memory for a note on the scene");
+    char **notes = realloc(scene->notes, (scene->note_count + 1) * sizeof *notes);
+    if (!notes) {
+        free(text);
+        return gw_fail(error, GW_MACHINE, "out of memory for a note on the scene");
+    }
+    scene->notes = notes;
+    notes[scene->note_count++] = text;
+    return GW_OK;
+}
+
+static gw_hash hash_appearance(gw_hash hash, const gw_scene *scene) {
+    for (uint32_t i = 0; i < scene->material_count;
+         i++) { /* everything after the name, which reaches no pixel */
+        const char *begin = (const char *)scene->materials[i].base_color;
+        const char *end = (const char *)(&scene->materials[i] + 1);
+        hash = gw_hash_bytes(hash, begin, (size_t)(end - begin));
+    }
+    for (uint32_t i = 0; i < scene->texture_count; i++) {
+        const gw_texture *texture = &scene->textures[i];
+        const uint32_t words[4] = {texture->image.width, texture->image.height, (uint32_t)texture->wrap_u,
+                                   (uint32_t)texture->wrap_v};
+        hash = gw_hash_bytes(hash, words, sizeof words);
+        hash = gw_hash_bytes(hash, texture->image.rgba, (size_t)words[0] * words[1] * 4);
+    }
+    for (uint32_t i = 0; i < scene->light_count; i++) {
+        const gw_light *light = &scene->lights[i];
+        const uint32_t kind = (uint32_t)light->kind;
+        hash = gw_hash_bytes(hash, &kind, sizeof kind);
+        hash = gw_hash_bytes(hash, light->vector, sizeof light->vector);
+        hash = gw_hash_bytes(hash, light->color, sizeof light->color);
+    }
+    hash = gw_hash_bytes(hash, scene->ambient, sizeof scene->ambient);
+    return gw_hash_bytes(hash, scene->background, sizeof scene->background);
+}
+
+static gw_hash hash_views(gw_hash hash, const gw_scene *scene) {
+    for (uint32_t i = 0; i < scene->viewpoint_count; i++) {
+        const gw_viewpoint *view = &scene->viewpoints[i];
+        hash = gw_hash_bytes(hash, view->eye, sizeof view->eye);
+        hash = gw_hash_bytes(hash, view->look_at, sizeof view->look_at);
+        hash = gw_hash_bytes(hash, view->up, sizeof view->up);
+        hash = gw_hash_bytes(hash, &view->fov, sizeof view->fov);
+    }
+    for (uint32_t i = 0; i < scene->path_count; i++)
+        hash = gw_hash_bytes(hash, scene->paths[i].keys, scene->paths[i].key_count * sizeof(gw_camera_key));
+    const uint32_t kind = (uint32_t)scene->placement.kind;
+    hash = gw_hash_bytes(hash, &kind, sizeof kind);
+    hash = gw_hash_bytes(hash, &scene->placement.scale, sizeof scene->placement.scale);
+    hash = gw_hash_bytes(hash, scene->placement.matrix, sizeof scene->placement.matrix);
+    hash = gw_hash_bytes(hash, scene->centre, sizeof scene->centre);
+    hash = gw_hash_bytes(hash, &scene->exponent, sizeof scene->exponent);
+    return gw_hash_bytes(hash, scene->bounds, sizeof scene->bounds);
+}
+
+void gw_scene_rehash(gw_scene *scene) {
+    const uint32_t counts[9] = {scene->vertex_count,    scene->triangle_count, scene->welded_count,
+                                scene->material_count,  scene->texture_count,  scene->light_count,
+                                scene->viewpoint_count, scene->path_count,     scene->colors != NULL};
+    const size_t vertices = scene->vertex_count, triangles = scene->triangle_count;
+    gw_hash hash = gw_hash_bytes((gw_hash){0, 0}, counts, sizeof counts);
+    hash = gw_hash_bytes(hash, scene->positions, vertices * 3 * sizeof(float));
+    hash = gw_hash_bytes(hash, scene->normals, vertices * 3 * sizeof(float));
+    hash = gw_hash_bytes(hash, scene->texcoords, vertices * 2 * sizeof(float));
+    if (scene->colors)
+        hash = gw_hash_bytes(hash, scene->colors, vertices * 4);
+    hash = gw_hash_bytes(hash, scene->triangles, triangles * 3 * sizeof(uint32_t));
+    hash = gw_hash_bytes(hash, scene->material_of, triangles * sizeof(uint32_t));
+    scene->hash = hash_views(hash_appearance(hash, scene), scene);
+}

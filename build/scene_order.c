@@ -1,0 +1,200 @@
+#include "build/scene_order.h"
+
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { RADIX_BITS = 16, RADIX = 1 << RADIX_BITS, MORTON_BITS = 21 };
+
+typedef struct entry {
+    uint64_t key;
+    uint32_t triangle;
+} entry;
+
+typedef struct order {
+    const gw_scene *scene;
+    const uint32_t *vertices;
+    uint32_t *material_rank; /* materials of equal content have equal ranks */
+} order;
+
+static int compare_words(const uint32_t *a, const uint32_t *b, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        if (a[i] != b[i])
+            return a[i] < b[i] ? -1 : 1;
+    return 0;
+}
+
+/* Corners of a triangle that is not degenerate differ in position, so the least one is unique. */
+static void rotate_triangle(uint32_t triangle[3], const uint32_t *vertices) {
+    uint32_t first = 0;
+    for (uint32_t i = 1; i < 3; i++)
+        if (compare_words(vertices + (size_t)triangle[i] * GW_VERTEX_WORDS,
+                          vertices + (size_t)triangle[first] * GW_VERTEX_WORDS, GW_POSITION_WORDS) < 0)
+            first = i;
+    const uint32_t corners[3] = {triangle[0], triangle[1], triangle[2]};
+    for (uint32_t i = 0; i < 3; i++)
+        triangle[i] = corners[(first + i) % 3];
+}
+
+/* Two zero bits before each of the low 21 bits. */
+static uint64_t spread_bits(uint64_t value) {
+    value &= 0x1fffff;
+    value = (value | value << 32) & 0x1f00000000ffffu;
+    value = (value | value << 16) & 0x1f0000ff0000ffu;
+    value = (value | value << 8) & 0x100f00f00f00f00fu;
+    value = (value | value << 4) & 0x10c30c30c30c30c3u;
+    return (value | value << 2) & 0x1249249249249249u;
+}
+
+/* The centroid in integers: a sum of floats would depend on the order of the corners. */
+static uint64_t centroid_code(const uint32_t triangle[3], const uint32_t *vertices) {
+    uint64_t code = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        int64_t sum = 0;
+        for (int i = 0; i < 3; i++) {
+            float coordinate;
+            memcpy(&coordinate, vertices + (size_t)triangle[i] * GW_VERTEX_WORDS + axis, sizeof coordinate);
+            sum += (int64_t)floor(((double)coordinate + 1.0) * 0x1p30); /* [-1,1] to [0, 2^31] */
+        }
+        int64_t cell = sum / 3 >> (31 - MORTON_BITS);
+        if (cell > (1 << MORTON_BITS) - 1)
+            cell = (1 << MORTON_BITS) - 1;
+        code |= spread_bits((uint64_t)cell) << axis;
+    }
+    return code;
+}
+
+/* Order of content alone; equal for triangles that no ray can tell apart. */
+static int compare_triangles(const void *a_entry, const void *b_entry, void *context) {
+    const order *self = context;
+    const uint32_t a = ((const entry *)a_entry)->triangle, b = ((const entry *)b_entry)->triangle;
+    const uint32_t *corners_a = self->scene->triangles[a], *corners_b = self->scene->triangles[b];
+    for (int part = 0; part < 2; part++) { /* all positions first, then all attributes */
+        size_t begin = part ? GW_POSITION_WORDS : 0;
+        size_t count = part ? GW_VERTEX_WORDS - GW_POSITION_WORDS : GW_POSITION_WORDS;
+        for (int i = 0; i < 3; i++) {
+            int result =
+                compare_words(self->vertices + (size_t)corners_a[i] * GW_VERTEX_WORDS + begin,
+                              self->vertices + (size_t)corners_b[i] * GW_VERTEX_WORDS + begin, count);
+            if (result)
+                return result;
+        }
+    }
+    const uint32_t material_a = self->scene->material_of[a], material_b = self->scene->material_of[b];
+    const uint32_t keys_a[2] = {self->material_rank[material_a], material_a};
+    const uint32_t keys_b[2] = {self->material_rank[material_b], material_b};
+    return compare_words(keys_a, keys_b, 2);
+}
+
+static int compare_materials(const void *a_index, const void *b_index, void *context) {
+    const gw_scene *scene = context;
+    const gw_material *a = &scene->materials[*(const uint32_t *)a_index];
+    const gw_material *b = &scene->materials[*(const uint32_t *)b_index];
+    size_t size = (size_t)((const char *)(a + 1) - (const char *)a->base_color);
+    return memcmp(a->base_color, b->base_color, size);
+}
+
+static gw_code rank_materials(order *self, gw_error *error) {
+    const uint32_t count = self->scene->material_count;
+    void *memory = NULL;
+    gw_code code = gw_allocate(&memory, count, 2 * sizeof(uint32_t), "material ranks", error);
+    if (code != GW_OK)
+        return code;
+    uint32_t *rank = memory, *sorted = rank + count;
+    for (uint32_t i = 0; i < count; i++)
+        sorted[i] = i;
+    qsort_r(sorted, count, sizeof *sorted, compare_materials, (void *)(uintptr_t)self->scene);
+    for (uint32_t i = 0; i < count; i++)
+        rank[sorted[i]] =
+            i && compare_materials(&sorted[i - 1], &sorted[i], (void *)(uintptr_t)self->scene) == 0
+                ? rank[sorted[i - 1]]
+                : i;
+    self->material_rank = rank;
+    return GW_OK;
+}
+
+/* Stable, least digit first; the result ends in `entries` because the number of passes is even. */
+static void radix_sort(entry *entries, entry *spare, size_t count, size_t *histogram) {
+    for (int shift = 0; shift < 64; shift += RADIX_BITS) {
+        memset(histogram, 0, RADIX * sizeof *histogram);
+        for (size_t i = 0; i < count; i++)
+            histogram[entries[i].key >> shift & (RADIX - 1)]++;
+        size_t begin = 0;
+        for (size_t digit = 0; digit < RADIX; digit++) {
+            size_t size = histogram[digit];
+            histogram[digit] = begin;
+            begin += size;
+        }
+        for (size_t i = 0; i < count; i++)
+            spare[histogram[entries[i].key >> shift & (RADIX - 1)]++] = entries[i];
+        entry *swap = entries;
+        entries = spare;
+        spare = swap;
+    }
+}
+
+/* The Morton order is done: equal codes are put into the order of their content. */
+static void sort_equal_codes(entry *entries, size_t count, order *self) {
+    for (size_t begin = 0; begin < count;) {
+        size_t end = begin + 1;
+        while (end < count && entries[end].key == entries[begin].key)
+            end++;
+        if (end - begin > 1)
+            qsort_r(entries + begin, end - begin, sizeof *entries, compare_triangles, self);
+        begin = end;
+    }
+}
+
+/* Moves the scene's rows into the order of the entries. */
+static gw_code permute(gw_scene *scene, const entry *entries, gw_error *error) {
+    const size_t count = scene->triangle_count;
+    void *triangles = NULL, *material_of = NULL;
+    gw_code code = gw_allocate(&triangles, count, sizeof *scene->triangles, "sorted triangles", error);
+    if (code == GW_OK)
+        code =
+            gw_allocate(&material_of, count, sizeof *scene->material_of, "sorted triangle materials", error);
+    if (code != GW_OK) {
+        free(triangles);
+        return code;
+    }
+    for (size_t i = 0; i < count; i++) {
+        memcpy((uint32_t(*)[3])triangles + i, scene->triangles[entries[i].triangle],
+               sizeof *scene->triangles);
+        ((uint32_t *)material_of)[i] = scene->material_of[entries[i].triangle];
+    }
+    free(scene->triangles);
+    free(scene->material_of);
+    scene->triangles = triangles;
+    scene->material_of = material_of;
+    return GW_OK;
+}
+
+gw_code gw_scene_order(gw_scene *scene, const uint32_t *vertices, gw_error *error) {
+    const size_t count = scene->triangle_count;
+    order self = {.scene = scene, .vertices = vertices};
+    void *entries = NULL, *spare = NULL, *histogram = NULL;
+    gw_code code = rank_materials(&self, error);
+    if (code == GW_OK)
+        code = gw_allocate(&entries, count, sizeof(entry), "triangle order", error);
+    if (code == GW_OK)
+        code = gw_allocate(&spare, count, sizeof(entry), "triangle order", error);
+    if (code == GW_OK)
+        code = gw_allocate(&histogram, RADIX, sizeof(size_t), "triangle order", error);
+    if (code != GW_OK)
+        goto cleanup;
+    for (size_t i = 0; i < count; i++) {
+        rotate_triangle(scene->triangles[i], vertices);
+        ((entry *)entries)[i] = (entry){centroid_code(scene->triangles[i], vertices), (uint32_t)i};
+    }
+    radix_sort(entries, spare, count, histogram);
+    sort_equal_codes(entries, count, &self);
+    code = permute(scene, entries, error);
+cleanup:
+    free(self.material_rank);
+    free(entries);
+    free(spare);
+    free(histogram);
+    return code;
+}

@@ -1,0 +1,20 @@
+/* The canonical order of a scene's triangles: by content, never by the place in the file. Any thread. */
+#ifndef GW_BUILD_SCENE_ORDER_H
+#define GW_BUILD_SCENE_ORDER_H
+
+#include "base/status.h"
+#include "build/scene.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* One vertex as the words that are compared: rebased position, normal, texture coordinates (float bits, no
+ * -0), colour. */
+enum { GW_VERTEX_WORDS = 9, GW_POSITION_WORDS = 3 };
+
+/* Rotates every triangle so that its least corner comes first (the winding stays), then sorts
+ * scene->triangles and scene->material_of by the Morton code of the centroid, then content. `vertices` are
+ * rows of GW_VERTEX_WORDS that the triangles index. */
+gw_code gw_scene_order(gw_scene *scene, const uint32_t *vertices, gw_error *error);
+
+#endif

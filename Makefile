@@ -1,0 +1,216 @@
+# Gazewall's build. `make help` lists the targets.
+#
+# Non-recursive: every object, test and generated file is named here once, found by wildcard, and lands under $(OUT).
+# Library flags are asked from pkg-config once and kept in $(OUT)/libraries.mk; make remakes that file (and checks the
+# installed packages before it) whenever .ci/packages or .ci/setup change, and costs nothing otherwise.
+
+OUT     ?= out
+FLAVOUR ?= release
+PREFIX  ?= /usr/local
+DESTDIR ?=
+ONLY    ?=
+V       ?=
+WERROR  ?=
+
+TREE := $(OUT)/$(FLAVOUR)
+
+CC     ?= cc
+AR     ?= ar
+HOSTCC ?= cc
+
+.DELETE_ON_ERROR:
+.SUFFIXES:
+MAKEFLAGS += --no-builtin-rules
+
+ifeq ($(V),1)
+quiet =
+say = @:
+else
+quiet = @
+say = @printf '  %-8s %s\n'
+endif
+
+# --- what the goals need ---------------------------------------------------------------------------------------------
+
+GOALS := $(or $(MAKECMDGOALS),all)
+SETUP_GROUPS := run
+ifneq ($(filter test tests hard,$(GOALS)),)
+SETUP_GROUPS += test
+endif
+# demo, test and setup may install; a plain build only says what is missing.
+SETUP_CHECK := --check
+ifneq ($(filter demo test hard setup,$(GOALS)),)
+SETUP_CHECK :=
+endif
+SETUP_STAMP := $(OUT)/setup-$(subst $() ,-,$(strip $(SETUP_GROUPS)))
+
+# Goals that build nothing must work with nothing installed.
+ifneq ($(filter-out clean help format setup,$(GOALS)),)
+include $(OUT)/libraries.mk
+endif
+
+# --- flags -----------------------------------------------------------------------------------------------------------
+
+WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes
+ifneq ($(WERROR),)
+WARNINGS += -Werror
+endif
+
+FLAGS_release := -O2 -g
+FLAGS_debug   := -Og -g3
+FLAGS_asan    := -O1 -g -fsanitize=address,undefined -fno-omit-frame-pointer
+ifndef FLAGS_$(FLAVOUR)
+$(error FLAVOUR=$(FLAVOUR) is unknown: it is release, debug or asan)
+endif
+ifeq ($(FLAVOUR),asan)
+LINK_FLAVOUR := -fsanitize=address,undefined
+endif
+
+# Floats must not be contracted: the same expression has to give the same bits in every place and build.
+BASE_FLAGS := -std=c11 -D_GNU_SOURCE -DGLFW_INCLUDE_NONE -I. -ffp-contract=off $(WARNINGS)
+ALL_FLAGS   = $(BASE_FLAGS) $(FLAGS_$(FLAVOUR)) $(LIBRARY_CFLAGS) $(CPPFLAGS) $(CFLAGS)
+DEP_FLAGS   = -MMD -MP -MF $(@:.o=.d)
+LIBRARIES   = $(LIBRARY_LIBS) -lm -lrt -ldl -lpthread
+
+# --- sources ---------------------------------------------------------------------------------------------------------
+
+LIBRARY_FOLDERS := base tracking build render wall
+SOURCES := $(filter-out wall/main.c,$(wildcard $(addsuffix /*.c,$(LIBRARY_FOLDERS))))
+HEADERS := $(wildcard $(addsuffix /*.h,$(LIBRARY_FOLDERS))) $(wildcard tests/support/*.h)
+EMBEDDED := $(sort $(wildcard shaders/*/*.comp shaders/*/*.glsl shaders/*/*.h configs/tracks/demo.vrpn configs/sites/*.yaml))
+
+OBJECTS := $(SOURCES:%.c=$(TREE)/%.o) $(TREE)/generated/embedded_files.o
+ARCHIVE := $(TREE)/libgazewall.a
+PROGRAM := $(TREE)/gazewall
+ifneq ($(wildcard wall/main.c),)
+PROGRAMS := $(PROGRAM)
+endif
+
+TEST_KINDS   := unit gpu hard oracle
+TEST_SOURCES := $(wildcard $(TEST_KINDS:%=tests/%/test_*.c))
+TEST_SUPPORT := $(patsubst %.c,$(TREE)/%.o,$(wildcard tests/support/*.c))
+TEST_PROGRAMS := $(TEST_SOURCES:%.c=$(TREE)/%)
+
+ALL_OBJECTS := $(OBJECTS) $(TREE)/wall/main.o $(TEST_SUPPORT) $(TEST_SOURCES:%.c=$(TREE)/%.o) \
+	$(TREE)/shaders/assemble.o $(TREE)/docs/write_settings.o
+
+# --- targets ---------------------------------------------------------------------------------------------------------
+
+.PHONY: all setup demo tests test hard lint format docs install clean help
+
+all: $(PROGRAMS) $(ARCHIVE) $(if $(PROGRAMS),$(OUT)/gazewall)
+
+help:
+	@echo "make             build $(OUT)/gazewall"
+	@echo "make demo        install what is missing, build, run the simulated wall into $(OUT)/demo"
+	@echo "make test        install what is missing, build, run every test; ONLY=name picks some"
+	@echo "make hard        only the tests of tests/hard"
+	@echo "make tests       build the tests without running them"
+	@echo "make lint        layout, static analysis, house rules, shaders; changes nothing"
+	@echo "make format      lay the C sources out by .clang-format"
+	@echo "make docs        write docs/settings.md from the table of settings"
+	@echo "make install     PREFIX=$(PREFIX) DESTDIR=$(DESTDIR)"
+	@echo "make setup       only install what is missing (GROUPS of .ci/packages: run test lint)"
+	@echo "make clean       remove $(OUT)"
+	@echo "variables        OUT=folder FLAVOUR=release|debug|asan V=1 (show commands) WERROR=1 CC CFLAGS"
+
+setup:
+	$(quiet).ci/setup run test lint
+
+demo: all
+	$(quiet)mkdir -p $(OUT)/demo
+	$(quiet)$(PROGRAM) sim --tiles 2x2 --size 1280x720 --frames 8 --out $(OUT)/demo --report $(OUT)/demo/report.json
+
+tests: all $(TEST_PROGRAMS)
+
+test: tests
+	$(quiet)tests/run.sh '$(TREE)' '$(ONLY)'
+
+hard: all $(filter $(TREE)/tests/hard/%,$(TEST_PROGRAMS))
+	$(quiet)tests/run.sh '$(TREE)' hard/
+
+lint: $(TREE)/assemble
+	$(quiet)CC='$(CC)' FLAGS='$(BASE_FLAGS) $(LIBRARY_CFLAGS)' tests/lint.sh $(TREE)/assemble
+
+format:
+	$(quiet)clang-format -i $(wildcard $(addsuffix /*.[ch],$(LIBRARY_FOLDERS) tests/* shaders docs))
+
+docs: $(TREE)/write_settings
+	$(quiet)$< > docs/settings.md
+
+install: all
+	install -d '$(DESTDIR)$(PREFIX)/bin' '$(DESTDIR)$(PREFIX)/share/gazewall' '$(DESTDIR)$(PREFIX)/share/doc/gazewall'
+	install -m 755 $(PROGRAM) '$(DESTDIR)$(PREFIX)/bin/gazewall'
+	cp -R configs '$(DESTDIR)$(PREFIX)/share/gazewall/'
+	install -m 644 README.md LICENSE $(wildcard docs/*.md) '$(DESTDIR)$(PREFIX)/share/doc/gazewall/'
+
+clean:
+	rm -rf $(OUT)
+
+# --- set-up ----------------------------------------------------------------------------------------------------------
+
+$(SETUP_STAMP): .ci/packages .ci/setup
+	@mkdir -p $(@D)
+	@.ci/setup $(SETUP_CHECK) $(SETUP_GROUPS)
+	@touch $@
+
+PACKAGES := epoxy egl glfw3 libpng libturbojpeg jansson yaml-0.1 cglm ompi-c zlib libxxhash assimp
+
+# Headers of others are system headers: our warnings are for our code.
+$(OUT)/libraries.mk: $(SETUP_STAMP) Makefile
+	@pkg-config --print-errors --exists $(PACKAGES)
+	@{ printf 'LIBRARY_CFLAGS := %s\n' "$$(pkg-config --cflags $(PACKAGES) | sed 's/-I/-isystem /g')"; \
+	   printf 'LIBRARY_LIBS := %s\n' "$$(pkg-config --libs $(PACKAGES))"; } > $@.part
+	@if cmp -s $@.part $@; then rm $@.part; touch $@; else mv $@.part $@; fi
+
+# --- rules -----------------------------------------------------------------------------------------------------------
+
+# Rewritten only when the flags or the list of objects change; then what depends on it is remade.
+define keep_text
+$(shell mkdir -p $(dir $(1)); printf '%s' '$(2)' | cmp -s - $(1) || printf '%s' '$(2)' > $(1))
+endef
+ifneq ($(filter-out clean help format setup,$(GOALS)),)
+$(call keep_text,$(TREE)/flags,$(CC) $(ALL_FLAGS))
+$(call keep_text,$(TREE)/objects,$(sort $(OBJECTS)))
+$(call keep_text,$(TREE)/embedded,$(EMBEDDED))
+endif
+
+$(TREE)/%.o: %.c $(TREE)/flags
+	$(say) CC $<
+	@mkdir -p $(@D)
+	$(quiet)$(CC) $(ALL_FLAGS) $(DEP_FLAGS) -c -o $@ $<
+
+$(TREE)/generated/%.o: $(TREE)/generated/%.c $(TREE)/flags
+	$(quiet)$(CC) $(ALL_FLAGS) $(DEP_FLAGS) -c -o $@ $<
+
+$(TREE)/embed_files: shaders/embed_files.c
+	@mkdir -p $(@D)
+	$(quiet)$(HOSTCC) -std=c11 -O1 -o $@ $<
+
+$(TREE)/generated/embedded_files.c: $(TREE)/embed_files $(EMBEDDED) $(TREE)/embedded
+	$(say) EMBED $@
+	@mkdir -p $(@D)
+	$(quiet)$(TREE)/embed_files $@ $(EMBEDDED)
+
+$(ARCHIVE): $(OBJECTS) $(TREE)/objects
+	$(say) AR $@
+	$(quiet)rm -f $@ && $(AR) rcs $@ $(OBJECTS)
+
+$(PROGRAM): $(TREE)/wall/main.o $(ARCHIVE)
+	$(say) LINK $@
+	$(quiet)$(CC) $(LINK_FLAVOUR) $(LDFLAGS) -o $@ $^ $(LIBRARIES)
+
+$(OUT)/gazewall: $(PROGRAM)
+	$(quiet)ln -sf $(FLAVOUR)/gazewall $@
+
+$(TREE)/assemble: $(TREE)/shaders/assemble.o $(ARCHIVE)
+	$(quiet)$(CC) $(LINK_FLAVOUR) $(LDFLAGS) -o $@ $^ $(LIBRARIES)
+
+$(TREE)/write_settings: $(TREE)/docs/write_settings.o $(ARCHIVE)
+	$(quiet)$(CC) $(LINK_FLAVOUR) $(LDFLAGS) -o $@ $^ $(LIBRARIES)
+
+$(TREE)/tests/%: $(TREE)/tests/%.o $(TEST_SUPPORT) $(ARCHIVE)
+	$(say) LINK $@
+	$(quiet)$(CC) $(LINK_FLAVOUR) $(LDFLAGS) -o $@ $^ $(LIBRARIES) -lcmocka $(if $(filter oracle/%,$*),-lembree3)
+
+-include $(ALL_OBJECTS:.o=.d)

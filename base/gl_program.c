@@ -1,0 +1,180 @@
+/* Programs: compiled once per (name, defines), found again, dispatched in slices. */
+#include "base/gl_private.h"
+
+#include "base/clock.h"
+#include "base/memory.h"
+#include "base/shader_text.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { PORTABLE_GROUPS = 65535 };
+
+void gw_gl_programs_finish(gw_gl *device) {
+    for (size_t i = 0; i < device->program_count; i++) {
+        glDeleteProgram(device->programs[i].id);
+        free(device->programs[i].name);
+        free(device->programs[i].defines);
+    }
+    free(device->programs);
+    device->programs = NULL;
+    device->program_count = device->program_capacity = 0;
+}
+
+static gw_code fail_build(const gw_shader_text *text, const char *step, const char *log, gw_error *error) {
+    char *message = gw_shader_text_message(text, log);
+    gw_code code =
+        gw_fail(error, GW_MACHINE, "%s does not %s:\n%s", text->files[0], step, message ? message : log);
+    free(message);
+    return code;
+}
+
+static gw_code compile_shader(const gw_shader_text *text, GLuint *out, gw_error *error) {
+    GLuint shader = glCreateShader(GL_COMPUTE_SHADER);
+    const GLchar *source = text->text;
+    glShaderSource(shader, 1, &source, NULL);
+    glCompileShader(shader);
+    GLint done = GL_FALSE;
+    glGetShaderiv(shader, GL_COMPILE_STATUS, &done);
+    if (!done) {
+        char log[1536] = "";
+        glGetShaderInfoLog(shader, sizeof log, NULL, log);
+        glDeleteShader(shader);
+        return fail_build(text, "compile", log, error);
+    }
+    *out = shader;
+    return GW_OK;
+}
+
+static gw_code link_program(const gw_shader_text *text, GLuint *out, gw_error *error) {
+    GLuint shader = 0;
+    gw_code code = compile_shader(text, &shader, error);
+    if (code) {
+        return code;
+    }
+    GLuint program = glCreateProgram();
+    glAttachShader(program, shader);
+    glLinkProgram(program);
+    glDetachShader(program, shader);
+    glDeleteShader(shader);
+    GLint done = GL_FALSE;
+    glGetProgramiv(program, GL_LINK_STATUS, &done);
+    if (!done) {
+        char log[1536] = "";
+        glGetProgramInfoLog(program, sizeof log, NULL, log);
+        glDeleteProgram(program);
+        return fail_build(text, "link", log, error);
+    }
+    *out = program;
+    return GW_OK;
+}
+
+/* Remembers a program; the cache owns it from here on. */
+static gw_code remember(gw_gl *device, const char *name, const char *defines, GLuint id, gw_error *error) {
+    void *programs = device->programs;
+    gw_code code = gw_grow(&programs, &device->program_capacity, device->program_count + 1,
+                           sizeof(gw_gl_cached_program), "programs", error);
+    device->programs = programs;
+    if (code) {
+        return code;
+    }
+    gw_gl_cached_program entry = {.name = gw_copy_text(name), .defines = gw_copy_text(defines), .id = id};
+    if (!entry.name || !entry.defines) {
+        free(entry.name);
+        free(entry.defines);
+        return gw_fail(error, GW_MACHINE, "not enough memory to keep program %s", name);
+    }
+    device->programs[device->program_count++] = entry;
+    return GW_OK;
+}
+
+gw_code gw_gl_program(gw_gl *device, const char *name, const char *defines, GLuint *out, gw_error *error) {
+    *out = 0;
+    const char *key = defines ? defines : "";
+    for (size_t i = 0; i < device->program_count; i++) {
+        if (strcmp(device->programs[i].name, name) == 0 && strcmp(device->programs[i].defines, key) == 0) {
+            *out = device->programs[i].id;
+            return GW_OK;
+        }
+    }
+    int64_t start = gw_now_ns();
+    gw_shader_text text;
+    gw_code code = gw_shader_text_create(device->shader_folder, name, defines, &text, error);
+    if (code) {
+        return code;
+    }
+    GLuint program = 0;
+    code = link_program(&text, &program, error);
+    if (!code) {
+        code = remember(device, name, key, program, error);
+        if (code) {
+            glDeleteProgram(program);
+        }
+    }
+    if (!code) {
+        glObjectLabel(GL_PROGRAM, program, -1, name);
+        gw_log_write(device->log, GW_LOG_DEBUG, "compiled %s in %.1f ms", name,
+                     (double)(gw_now_ns() - start) * 1e-6);
+        *out = program;
+    }
+    gw_shader_text_finish(&text);
+    return code;
+}
+
+gw_code gw_gl_shader_text(gw_gl *device, const char *name, const char *defines, char **out, gw_error *error) {
+    *out = NULL;
+    gw_shader_text text;
+    gw_code code = gw_shader_text_create(device->shader_folder, name, defines, &text, error);
+    if (!code) {
+        *out = text.text;
+        text.text = NULL;
+        gw_shader_text_finish(&text);
+    }
+    return code;
+}
+
+/* The label that gw_gl_program gave. */
+static void program_label(GLuint program, char label[128]) {
+    label[0] = '\0';
+    glGetObjectLabel(GL_PROGRAM, program, 128, NULL, label);
+}
+
+gw_code gw_gl_uniform(GLuint program, const char *name, GLint *out, gw_error *error) {
+    *out = glGetUniformLocation(program, name);
+    if (*out < 0) {
+        char label[128];
+        program_label(program, label);
+        return gw_fail(error, GW_MACHINE, "program '%s' has no uniform '%s' that it uses", label, name);
+    }
+    return GW_OK;
+}
+
+gw_code gw_gl_dispatch(gw_gl *device, GLuint program, uint64_t groups, gw_error *error) {
+    if (groups == 0) {
+        return GW_OK;
+    }
+    /* Slices of the size that every driver allows, so that the same sequence runs everywhere. */
+    uint64_t slice = (uint64_t)device->limits.work_groups[0] < PORTABLE_GROUPS
+                         ? (uint64_t)device->limits.work_groups[0]
+                         : PORTABLE_GROUPS;
+    GLint base = glGetUniformLocation(program, "group_base");
+    if (groups > UINT32_MAX || (base < 0 && groups > slice)) {
+        char label[128];
+        program_label(program, label);
+        return gw_fail(error, GW_MACHINE, "program '%s': %llu work groups are more than %llu%s", label,
+                       (unsigned long long)groups, (unsigned long long)(base < 0 ? slice : UINT32_MAX),
+                       base < 0 ? ", and it has no uniform 'group_base' that would allow slices" : "");
+    }
+    glUseProgram(program);
+    for (uint64_t begin = 0; begin < groups; begin += slice) {
+        uint64_t count = groups - begin < slice ? groups - begin : slice;
+        if (base >= 0) {
+            glProgramUniform1ui(program, base, (GLuint)begin);
+        }
+        glDispatchCompute((GLuint)count, 1, 1);
+    }
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+                    GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
+                    GL_COMMAND_BARRIER_BIT);
+    return gw_gl_check("dispatching work groups", error);
+}

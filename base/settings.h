@@ -21,10 +21,12 @@
            "any value gives the same pixels at tau 0", "a cell with at most this many triangles becomes a leaf (K)")   \
     GW_ROW(fan_rule, SWITCH, 1, 0, 1, "", BUILD, "", "tests per ray against nodes",                                    \
            "off gives the same pixels at tau 0", "a cell whose triangles all share one vertex becomes a leaf")         \
-    GW_ROW(fan_cap, INTEGER, 32, 3, 4096, "", BUILD, "triangles", "tests per ray against nodes",                       \
+    GW_ROW(fan_cap, INTEGER, 32, 3, 1024, "", BUILD, "triangles", "tests per ray against nodes",                       \
            "any value gives the same pixels at tau 0", "largest fan that the fan rule keeps in one leaf")              \
     GW_ROW(isolation_rule, SWITCH, 1, 0, 1, "", BUILD, "", "small isolated things in coarse voxels against nodes",     \
            "off gives the same pixels at tau 0", "refine leaves whose triangles are a small isolated thing")           \
+    GW_ROW(payload_texture_side, INTEGER, 256, 1, 4096, "", BUILD, "texels", "blur of textures in voxels against memory",      \
+           "4096", "textures enter the voxels' colours through mip chains of at most this side")                       \
     GW_ROW(geometry, CHOICE, 0, 0, 2, "hybrid|triangles|voxels", FRAME, "", "voxel error against triangle tests",       \
            "triangles", "what rays meet: triangles and voxels by footprint, triangles only, or finest voxels only")    \
     GW_ROW(tau, REAL, 1.0, 0.0, 64.0, "", FRAME, "footprints", "voxel error against steps and tests", "tau 0",         \
@@ -39,6 +41,12 @@
            "the acuity model starts this far outside the ellipsoid")                                                   \
     GW_ROW(gaze_blend, REAL, 2.0, 0.0, 45.0, "", FRAME, "deg", "visible border against cost", "45",                    \
            "tau grows from tau_inside to tau over this angle outside the ellipsoid")                                   \
+    GW_ROW(gaze_growth, REAL, 300.0, 0.0, 1000.0, "", FRAME, "deg/s", "late gaze against cost", "1000",                \
+           "the ellipsoid's half-angles grow by this per second of gaze age beyond gaze_latency")                      \
+    GW_ROW(gaze_latency, REAL, 0.05, 0.0, 10.0, "", FRAME, "s", "late gaze against cost", "0",                         \
+           "gaze age that is normal and does not widen the ellipsoid")                                                 \
+    GW_ROW(gaze_growth_limit, REAL, 15.0, 0.0, 90.0, "", FRAME, "deg", "late gaze against cost", "90",                 \
+           "most that gaze age adds to each half-angle")                                                               \
     GW_ROW(acuity_slope, REAL, 0.022, 0.0, 0.2, "", FRAME, "deg/deg", "blur in the periphery against cost", "0",       \
            "growth of the smallest resolvable period with eccentricity (m of MAR(e) = 1/48 + m e)")                    \
     GW_ROW(level_blend, SWITCH, 1, 0, 1, "", FRAME, "", "visible level steps against cost", "on",                      \

@@ -1,0 +1,304 @@
+#include "build/octree_internal.h"
+#include "build/texture_chain.h"
+
+#include "base/clock.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { GROUP = 64, LIST_LIMIT = 256, SUM_BYTES = 48, SINGLE = (int)0x80000000u };
+enum { LOCATION_JOB_COUNT = 1, LOCATION_NODE_FIRST, LOCATION_LEVEL, LOCATION_LIST_FIRST, LOCATION_LIST_LIMIT };
+
+/* Everything that the leaf kernel reads, and the sums of two levels. */
+typedef struct payload_stage {
+    gw_octree_builder *builder;
+    gw_octree *octree;
+    gw_gl_buffer references, faces, vertices, materials, chains, texels, thresholds;
+    gw_gl_buffer sums, below; /* [node of the level][3] of the present level and the one below it */
+    GLuint leaf_program, inner_program, encode_program;
+    uint32_t window_nodes; /* nodes whose sums fit in one storage block */
+} payload_stage;
+
+static void finish_stage(payload_stage *stage)
+{
+    gw_gl_buffer *all[] = {&stage->references, &stage->faces, &stage->vertices,   &stage->materials, &stage->chains,
+                           &stage->texels,     &stage->sums,  &stage->thresholds, &stage->below};
+    for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
+        gw_gl_buffer_finish(all[i]);
+}
+
+static uint32_t pack_color(const uint8_t *rgba)
+{
+    return rgba ? (uint32_t)rgba[0] | (uint32_t)rgba[1] << 8 | (uint32_t)rgba[2] << 16 | (uint32_t)rgba[3] << 24
+                : 0xffffffffu;
+}
+
+static gw_code upload_faces(payload_stage *stage, gw_error *error)
+{
+    const gw_scene *scene = stage->builder->scene;
+    uint32_t(*faces)[4] = NULL;
+    uint32_t(*vertices)[2][4] = NULL;
+    gw_code code = gw_allocate((void **)&faces, scene->triangle_count, sizeof *faces, "faces", error);
+    if (code == GW_OK)
+        code = gw_allocate((void **)&vertices, scene->vertex_count, sizeof *vertices, "vertices", error);
+    for (uint32_t t = 0; code == GW_OK && t < scene->triangle_count; ++t) {
+        memcpy(faces[t], scene->triangles[t], sizeof scene->triangles[t]);
+        faces[t][3] = scene->material_of[t];
+    }
+    for (uint32_t v = 0; code == GW_OK && v < scene->vertex_count; ++v) {
+        memcpy(vertices[v][0], scene->normals + (size_t)v * 3, 3 * sizeof(float));
+        vertices[v][0][3] = pack_color(scene->colors ? scene->colors + (size_t)v * 4 : NULL);
+        memcpy(vertices[v][1], scene->texcoords + (size_t)v * 2, 2 * sizeof(float));
+    }
+    if (code == GW_OK)
+        code = gw_gl_buffer_create(stage->builder->device, "build faces", (size_t)scene->triangle_count * sizeof *faces,
+                                   faces, GL_RGBA32UI, &stage->faces, error);
+    if (code == GW_OK)
+        code = gw_gl_buffer_create(stage->builder->device, "build vertices", (size_t)scene->vertex_count * sizeof *vertices,
+                                   vertices, GL_RGBA32UI, &stage->vertices, error);
+    free(faces);
+    free(vertices);
+    return code;
+}
+
+static gw_code upload_materials(payload_stage *stage, gw_error *error)
+{
+    const gw_scene *scene = stage->builder->scene;
+    gw_texture_chains chains = {0};
+    float(*materials)[2][4] = NULL;
+    uint32_t(*links)[4] = NULL;
+    gw_code code = gw_texture_chains_init(scene, (uint32_t)stage->builder->settings->payload_texture_side, &chains, error);
+    if (code == GW_OK)
+        code = gw_allocate((void **)&materials, scene->material_count, sizeof *materials, "materials", error);
+    if (code == GW_OK)
+        code = gw_allocate((void **)&links, scene->material_count, sizeof *links, "texture links", error);
+    for (uint32_t m = 0; code == GW_OK && m < scene->material_count; ++m) {
+        const gw_material *material = &scene->materials[m];
+        const float finish[4] = {material->roughness, material->metalness, (float)material->alpha_mode,
+                                 material->alpha_cutoff};
+        memcpy(materials[m][0], material->base_color, sizeof material->base_color);
+        memcpy(materials[m][1], finish, sizeof finish);
+        if (chains.chain_of[m] >= 0) {
+            const gw_texture_chain *chain = &chains.chains[chains.chain_of[m]];
+            const gw_texture *texture = &scene->textures[material->base_color_texture];
+            links[m][0] = chain->offset;
+            links[m][1] = chain->width_bits | chain->height_bits << 8 | (uint32_t)texture->wrap_u << 16 |
+                          (uint32_t)texture->wrap_v << 24;
+            links[m][2] = 1;
+        }
+    }
+    gw_gl *device = stage->builder->device;
+    if (code == GW_OK)
+        code = gw_gl_buffer_create(device, "build materials", scene->material_count * sizeof *materials, materials,
+                                   GL_RGBA32F, &stage->materials, error);
+    if (code == GW_OK)
+        code = gw_gl_buffer_create(device, "texture links", scene->material_count * sizeof *links, links, GL_RGBA32UI,
+                                   &stage->chains, error);
+    if (code == GW_OK)
+        code = gw_gl_buffer_create(device, "texture chains", chains.texel_count * sizeof *chains.texels, chains.texels,
+                                   GL_RG32UI, &stage->texels, error);
+    gw_texture_chains_finish(&chains);
+    free(materials);
+    free(links);
+    return code;
+}
+
+/* thresholds[i]: least linear value whose sRGB code of 10 bits is i. */
+static gw_code upload_thresholds(payload_stage *stage, gw_error *error)
+{
+    float thresholds[1024];
+    thresholds[0] = 0;
+    for (int i = 1; i < 1024; ++i) {
+        double v = (i - 0.5) / 1023.0;
+        thresholds[i] = (float)(v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4));
+    }
+    return gw_gl_buffer_create(stage->builder->device, "sRGB thresholds", sizeof thresholds, thresholds, 0,
+                               &stage->thresholds, error);
+}
+
+static gw_code start_stage(payload_stage *stage, gw_error *error)
+{
+    gw_gl *device = stage->builder->device;
+    uint64_t nodes = (uint64_t)gw_gl_limits_of(device)->storage_block_bytes / SUM_BYTES;
+    /* A window begins at a multiple of 16 nodes, 768 bytes: every driver's offset alignment divides that. */
+    stage->window_nodes = (uint32_t)(nodes < (1u << 30) ? nodes : 1u << 30) & ~15u;
+    gw_code code = gw_gl_program(device, "build/payload_leaf.comp", NULL, &stage->leaf_program, error);
+    if (code == GW_OK)
+        code = gw_gl_program(device, "build/payload_inner.comp", NULL, &stage->inner_program, error);
+    if (code == GW_OK)
+        code = gw_gl_program(device, "build/payload_encode.comp", NULL, &stage->encode_program, error);
+    if (code == GW_OK)
+        code = gw_gl_buffer_create(device, "references", (size_t)gw_octree_reference_bytes(stage->octree),
+                                   stage->octree->references, GL_R32UI, &stage->references, error);
+    if (code == GW_OK)
+        code = upload_faces(stage, error);
+    if (code == GW_OK)
+        code = upload_materials(stage, error);
+    return code == GW_OK ? upload_thresholds(stage, error) : code;
+}
+
+/* The sums of nodes [first, first + count) of the level as storage binding 0. */
+static void bind_sums(const payload_stage *stage, uint32_t first, uint32_t count)
+{
+    glBindBufferRange(GL_SHADER_STORAGE_BUFFER, 0, stage->sums.id, (GLintptr)((size_t)first * SUM_BYTES),
+                      (GLsizeiptr)((size_t)count * SUM_BYTES));
+}
+
+static gw_code run_jobs(payload_stage *stage, GLuint program, const uint32_t (*jobs)[4], uint32_t job_count,
+                        uint32_t node_first, gw_error *error)
+{
+    gw_gl_buffer buffer = {0};
+    if (job_count == 0)
+        return GW_OK;
+    gw_code code = gw_gl_buffer_create(stage->builder->device, "payload jobs", (size_t)job_count * 16, jobs, 0, &buffer,
+                                       error);
+    if (code == GW_OK) {
+        glProgramUniform1ui(program, LOCATION_JOB_COUNT, job_count);
+        glProgramUniform1ui(program, LOCATION_NODE_FIRST, node_first);
+        gw_gl_buffer_bind(&buffer, 1);
+        code = gw_gl_dispatch(stage->builder->device, program, (job_count + GROUP - 1) / GROUP, error);
+    }
+    gw_gl_buffer_finish(&buffer);
+    return code;
+}
+
+static uint32_t list_length(const gw_octree *octree, const gw_node *node)
+{
+    uint32_t length = 1;
+    if (GW_NODE_KIND(node->bits) == GW_LEAF_SINGLE)
+        return 1;
+    while (!(octree->references[node->link + length - 1] & GW_REFERENCE_LAST))
+        length++;
+    return length;
+}
+
+/* Leaves of the window, list entries [pass * LIST_LIMIT, ...): one invocation may only loop so often. Returns the jobs in
+ * `jobs` and sets *more when a longer list is left. */
+static uint32_t leaf_jobs(const payload_stage *stage, uint32_t level, uint32_t first, uint32_t count, uint32_t pass,
+                          uint32_t (*jobs)[4], int *more)
+{
+    const gw_octree *octree = stage->octree;
+    uint32_t jobs_made = 0;
+    *more = 0;
+    for (uint32_t i = first; i < first + count; ++i) {
+        const gw_node *node = &octree->nodes[octree->level_begin[level] + i];
+        const uint32_t *cell = stage->builder->levels[level].cells[i];
+        uint32_t kind = GW_NODE_KIND(node->bits);
+        if (kind == GW_KIND_INNER)
+            continue;
+        uint32_t length = list_length(octree, node);
+        *more |= length > (pass + 1) * LIST_LIMIT;
+        if (length <= pass * LIST_LIMIT)
+            continue;
+        jobs[jobs_made][0] = i;
+        jobs[jobs_made][1] = cell[0];
+        jobs[jobs_made][2] = cell[1] | (kind == GW_LEAF_SINGLE ? (uint32_t)SINGLE : 0u);
+        jobs[jobs_made][3] = node->link;
+        jobs_made++;
+    }
+    return jobs_made;
+}
+
+static gw_code sum_leaves(payload_stage *stage, uint32_t level, uint32_t first, uint32_t count, uint32_t (*jobs)[4],
+                          gw_error *error)
+{
+    const gw_gl_buffer *textures[] = {&stage->builder->triangles, &stage->references, &stage->faces, &stage->vertices,
+                                      &stage->materials,          &stage->chains,     &stage->texels};
+    gw_code code = GW_OK;
+    int more = 1;
+    for (GLuint unit = 0; unit < sizeof textures / sizeof *textures; ++unit)
+        gw_gl_texture_bind(textures[unit], unit);
+    glProgramUniform1ui(stage->leaf_program, LOCATION_LEVEL, level);
+    glProgramUniform1ui(stage->leaf_program, LOCATION_LIST_LIMIT, LIST_LIMIT);
+    for (uint32_t pass = 0; more && code == GW_OK; ++pass) {
+        uint32_t job_count = leaf_jobs(stage, level, first, count, pass, jobs, &more);
+        glProgramUniform1ui(stage->leaf_program, LOCATION_LIST_FIRST, pass * LIST_LIMIT);
+        code = run_jobs(stage, stage->leaf_program, (const uint32_t(*)[4])jobs, job_count, first, error);
+    }
+    return code;
+}
+
+static gw_code sum_inner(payload_stage *stage, uint32_t level, uint32_t first, uint32_t count, uint32_t (*jobs)[4],
+                         gw_error *error)
+{
+    const gw_octree *octree = stage->octree;
+    uint32_t job_count = 0;
+    for (uint32_t i = first; i < first + count; ++i) {
+        const gw_node *node = &octree->nodes[octree->level_begin[level] + i];
+        if (GW_NODE_KIND(node->bits) != GW_KIND_INNER)
+            continue;
+        jobs[job_count][0] = i;
+        jobs[job_count][1] = node->link - octree->level_begin[level + 1];
+        jobs[job_count][2] = (uint32_t)__builtin_popcount(GW_NODE_VALID(node->bits));
+        job_count++;
+    }
+    if (job_count == 0)
+        return GW_OK;
+    gw_gl_texture_bind(&stage->below, 0);
+    return run_jobs(stage, stage->inner_program, (const uint32_t(*)[4])jobs, job_count, first, error);
+}
+
+static gw_code encode(payload_stage *stage, uint32_t level, uint32_t first, uint32_t count, gw_error *error)
+{
+    gw_gl_buffer words = {0};
+    size_t bytes = (size_t)count * sizeof(gw_payload);
+    gw_code code = gw_gl_buffer_create(stage->builder->device, "payload words", bytes, NULL, 0, &words, error);
+    if (code == GW_OK) {
+        glProgramUniform1ui(stage->encode_program, LOCATION_JOB_COUNT, count);
+        gw_gl_buffer_bind(&stage->thresholds, 1);
+        gw_gl_buffer_bind(&words, 2);
+        code = gw_gl_dispatch(stage->builder->device, stage->encode_program, (count + GROUP - 1) / GROUP, error);
+    }
+    if (code == GW_OK)
+        code = gw_gl_buffer_read(&words, 0, bytes, stage->octree->payloads + stage->octree->level_begin[level] + first,
+                                 error);
+    gw_gl_buffer_finish(&words);
+    return code;
+}
+
+/* All nodes of a level, window by window; stage->below holds the sums of the level below. */
+static gw_code sum_level(payload_stage *stage, uint32_t level, gw_error *error)
+{
+    gw_octree *octree = stage->octree;
+    uint32_t nodes = octree->level_begin[level + 1] - octree->level_begin[level];
+    uint32_t(*jobs)[4] = NULL;
+    gw_code code = gw_gl_buffer_create(stage->builder->device, "payload sums", (size_t)nodes * SUM_BYTES, NULL, GL_RGBA32F,
+                                       &stage->sums, error);
+    if (code == GW_OK)
+        code = gw_allocate((void **)&jobs, nodes < stage->window_nodes ? nodes : stage->window_nodes, sizeof *jobs,
+                           "payload jobs", error);
+    for (uint32_t first = 0; code == GW_OK && first < nodes; first += stage->window_nodes) {
+        uint32_t count = nodes - first < stage->window_nodes ? nodes - first : stage->window_nodes;
+        int64_t start = gw_now_ns();
+        bind_sums(stage, first, count);
+        code = sum_leaves(stage, level, first, count, jobs, error);
+        if (code == GW_OK)
+            code = gw_gl_finish(stage->builder->device, error);
+        octree->statistics.milliseconds[1] += (double)(gw_now_ns() - start) * 1e-6;
+        start = gw_now_ns();
+        if (code == GW_OK)
+            code = sum_inner(stage, level, first, count, jobs, error);
+        if (code == GW_OK)
+            code = encode(stage, level, first, count, error);
+        octree->statistics.milliseconds[2] += (double)(gw_now_ns() - start) * 1e-6;
+    }
+    free(jobs);
+    gw_gl_buffer_finish(&stage->below);
+    stage->below = stage->sums;
+    stage->sums = (gw_gl_buffer){0};
+    return code;
+}
+
+gw_code gw_octree_payload(gw_octree_builder *builder, gw_octree *octree, gw_error *error)
+{
+    payload_stage stage = {.builder = builder, .octree = octree};
+    gw_code code = start_stage(&stage, error);
+    for (uint32_t level = octree->statistics.deepest + 1; code == GW_OK && level-- > 0;) {
+        gw_log_progress(builder->log, "averaging voxels", 1.0 - (double)level / (octree->statistics.deepest + 1));
+        code = sum_level(&stage, level, error);
+    }
+    finish_stage(&stage);
+    return code;
+}

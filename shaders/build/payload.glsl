@@ -1,0 +1,53 @@
+// What the payload kernels share: the sums that a node carries upwards. All are proportional to area, in units of the
+// face area of the node's own cell, so a parent's sums are a quarter of its children's. Sums run in child order and list
+// order, precise: the same bits on every device.
+#include "common/shared.h"
+
+struct surface_sum {
+    float area;     // of the surface in the cell, after alpha
+    vec3 color;     // linear colour times area
+    vec3 normal;    // normals times area
+    vec3 aligned;   // the same with each addend turned to the side of the sum so far: opposed normals do not cancel
+    float roughness, metalness; // times area
+};
+
+layout(location = 0) uniform uint group_base;
+layout(location = 1) uniform uint job_count;
+layout(location = 2) uniform uint node_first; // first node of the window, relative to its level
+
+layout(std430, binding = 0) buffer Sums { vec4 sums[]; }; // [node in window][3]
+
+layout(local_size_x = 64) in;
+
+uint job_index() {
+    return (gl_WorkGroupID.x + group_base) * 64u + gl_LocalInvocationIndex;
+}
+
+surface_sum empty_sum() {
+    return surface_sum(0.0, vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0);
+}
+
+void add_surface(inout surface_sum sum, surface_sum addend) {
+    precise float side = sum.aligned.x * addend.aligned.x + sum.aligned.y * addend.aligned.y + sum.aligned.z * addend.aligned.z;
+    precise float area = sum.area + addend.area;
+    precise vec3 color = sum.color + addend.color;
+    precise vec3 normal = sum.normal + addend.normal;
+    precise vec3 aligned = sum.aligned + (side < 0.0 ? -addend.aligned : addend.aligned);
+    precise float roughness = sum.roughness + addend.roughness;
+    precise float metalness = sum.metalness + addend.metalness;
+    sum = surface_sum(area, color, normal, aligned, roughness, metalness);
+}
+
+surface_sum unpack_sum(vec4 first, vec4 second, vec4 third) {
+    return surface_sum(first.x, first.yzw, second.xyz, third.xyz, second.w, third.w);
+}
+
+surface_sum load_sum(uint node) {
+    return unpack_sum(sums[node * 3u], sums[node * 3u + 1u], sums[node * 3u + 2u]);
+}
+
+void store_sum(uint node, surface_sum sum) {
+    sums[node * 3u] = vec4(sum.area, sum.color);
+    sums[node * 3u + 1u] = vec4(sum.normal, sum.roughness);
+    sums[node * 3u + 2u] = vec4(sum.aligned, sum.metalness);
+}

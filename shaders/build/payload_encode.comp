@@ -1,0 +1,60 @@
+// Payload words of all nodes of a window from their sums: shared.h says what the bits mean.
+#include "build/payload.glsl"
+#include "common/fixed_math.glsl"
+
+// thresholds[i]: least linear value that is encoded as i (10 bits sRGB), made in double by the host: a search in this table
+// is exact where pow() differs from driver to driver.
+layout(std430, binding = 1) readonly buffer Thresholds { float thresholds[1024]; };
+layout(std430, binding = 2) writeonly buffer Payloads { uint payloads[]; }; // [node in window][3]
+
+uint encode_channel(float linear) {
+    uint code = 0u;
+    for (uint bit = 512u; bit > 0u; bit >>= 1)
+        code |= linear >= thresholds[code | bit] ? bit : 0u;
+    return code;
+}
+
+// Octahedral map of a direction (Cigolle et al. 2014) to 12 bits an axis.
+uint encode_normal(vec3 n) {
+    precise float inverse = gw_reciprocal(abs(n.x) + abs(n.y) + abs(n.z));
+    precise vec2 flat_normal = n.xy * inverse;
+    if (n.z < 0.0) {
+        precise vec2 folded = (1.0 - abs(flat_normal.yx)) * vec2(flat_normal.x < 0.0 ? -1.0 : 1.0, flat_normal.y < 0.0 ? -1.0 : 1.0);
+        flat_normal = folded;
+    }
+    precise vec2 scaled = floor(flat_normal * 2047.0 + 2047.5);
+    uvec2 code = uvec2(clamp(scaled, 0.0, 4094.0));
+    return code.x | (code.y << 12);
+}
+
+uint encode_fraction(float value, float scale, float most) {
+    precise float scaled = floor(value * scale + 0.5);
+    return uint(clamp(scaled, 0.0, most));
+}
+
+float length_of(vec3 v) {
+    precise float square = v.x * v.x + v.y * v.y + v.z * v.z;
+    return gw_square_root(square);
+}
+
+void main() {
+    uint node = job_index();
+    if (node >= job_count)
+        return;
+    surface_sum sum = load_sum(node);
+    float inverse_area = gw_reciprocal(sum.area);
+    precise vec3 color = sum.color * inverse_area;
+    float straight = length_of(sum.normal);
+    float aligned = length_of(sum.aligned);
+    // Opposed normals have met where turning them to one side makes the sum at least twice as long.
+    bool two_sided = aligned > 2.0 * straight;
+    precise float flatness = (two_sided ? aligned : straight) * inverse_area;
+    vec3 direction = two_sided ? sum.aligned : sum.normal;
+    bool none = max(straight, aligned) * inverse_area < 1.0e-3;
+    payloads[node * 3u] = encode_channel(color.x) | (encode_channel(color.y) << 10) | (encode_channel(color.z) << 20) |
+                          (two_sided ? GW_PAYLOAD_TWO_SIDED : 0u) | (none ? GW_PAYLOAD_NO_NORMAL : 0u);
+    payloads[node * 3u + 1u] = (none ? 0u : encode_normal(direction)) | (encode_fraction(flatness, 255.0, 255.0) << 24);
+    payloads[node * 3u + 2u] = encode_fraction(sum.area, GW_PAYLOAD_AREA_SCALE, 65535.0) |
+                               (encode_fraction(sum.roughness * inverse_area, 255.0, 255.0) << 16) |
+                               (encode_fraction(sum.metalness * inverse_area, 255.0, 255.0) << 24);
+}

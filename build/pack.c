@@ -1,0 +1,306 @@
+#include "build/pack.h"
+
+#include "base/memory.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Array sections of the block, in this order. */
+typedef enum section {
+    POSITIONS,
+    NORMALS,
+    TEXCOORDS,
+    COLORS,
+    TRIANGLES,
+    MATERIAL_OF,
+    MATERIALS,
+    TEXTURES,
+    PIXELS,
+    LIGHTS,
+    VIEWPOINTS,
+    NODES,
+    PAYLOADS,
+    REFERENCES,
+    PATH,
+    SECTION_COUNT
+} section;
+
+typedef struct span {
+    uint64_t offset, size; /* bytes from the block's start */
+} span;
+
+typedef struct packed_texture {
+    char name[256];
+    uint32_t width, height;
+    int32_t wrap_u, wrap_v;
+    uint64_t offset; /* into PIXELS */
+} packed_texture;
+
+typedef struct header {
+    char magic[8];
+    uint64_t size;
+    gw_hash scene_hash, octree_hash;
+    uint32_t vertex_count, triangle_count, material_count, texture_count, light_count, viewpoint_count;
+    uint32_t depth, node_count, reference_count, has_colors;
+    uint32_t level_begin[GW_OCTREE_MAXIMUM_DEPTH + 2];
+    int32_t exponent;
+    float ambient[3], background[3];
+    double centre[3], bounds[2][3];
+    gw_placement placement;
+    gw_octree_statistics statistics;
+    span sections[SECTION_COUNT];
+} header;
+
+static const char magic[8] = {'G', 'W', 'P', 'A', 'C', 'K', '0', '1'};
+
+static uint64_t align(uint64_t offset) {
+    return (offset + 63) & ~UINT64_C(63);
+}
+
+/* Sizes of all sections from the counts of a header; the reader compares with what the block claims. */
+static void section_sizes(const header *head, uint64_t pixel_bytes, uint64_t path_bytes,
+                          uint64_t sizes[SECTION_COUNT]) {
+    const uint64_t vertices = head->vertex_count, triangles = head->triangle_count;
+    sizes[POSITIONS] = vertices * 3 * sizeof(float);
+    sizes[NORMALS] = vertices * 3 * sizeof(float);
+    sizes[TEXCOORDS] = vertices * 2 * sizeof(float);
+    sizes[COLORS] = head->has_colors ? vertices * 4 : 0;
+    sizes[TRIANGLES] = triangles * 3 * sizeof(uint32_t);
+    sizes[MATERIAL_OF] = triangles * sizeof(uint32_t);
+    sizes[MATERIALS] = head->material_count * sizeof(gw_material);
+    sizes[TEXTURES] = head->texture_count * sizeof(packed_texture);
+    sizes[PIXELS] = pixel_bytes;
+    sizes[LIGHTS] = head->light_count * sizeof(gw_light);
+    sizes[VIEWPOINTS] = head->viewpoint_count * sizeof(gw_viewpoint);
+    sizes[NODES] = head->node_count * sizeof(gw_node);
+    sizes[PAYLOADS] = head->node_count * sizeof(gw_payload);
+    sizes[REFERENCES] = head->reference_count * sizeof(uint32_t);
+    sizes[PATH] = path_bytes;
+}
+
+static uint64_t texture_bytes(const gw_texture *texture) {
+    return (uint64_t)texture->image.width * texture->image.height * 4;
+}
+
+static void make_header(const gw_scene *scene, const gw_octree *octree, header *head) {
+    memset(head, 0, sizeof *head);
+    memcpy(head->magic, magic, sizeof magic);
+    head->scene_hash = scene->hash;
+    head->octree_hash = octree->hash;
+    head->vertex_count = scene->vertex_count;
+    head->triangle_count = scene->triangle_count;
+    head->material_count = scene->material_count;
+    head->texture_count = scene->texture_count;
+    head->light_count = scene->light_count;
+    head->viewpoint_count = scene->viewpoint_count;
+    head->has_colors = scene->colors != NULL;
+    head->depth = octree->depth;
+    head->node_count = octree->node_count;
+    head->reference_count = octree->reference_count;
+    memcpy(head->level_begin, octree->level_begin, sizeof head->level_begin);
+    head->exponent = scene->exponent;
+    memcpy(head->ambient, scene->ambient, sizeof head->ambient);
+    memcpy(head->background, scene->background, sizeof head->background);
+    memcpy(head->centre, scene->centre, sizeof head->centre);
+    memcpy(head->bounds, scene->bounds, sizeof head->bounds);
+    head->placement = scene->placement;
+    head->statistics = octree->statistics;
+
+    uint64_t pixel_bytes = 0, sizes[SECTION_COUNT], offset = align(sizeof *head);
+    for (uint32_t i = 0; i < scene->texture_count; i++)
+        pixel_bytes += align(texture_bytes(&scene->textures[i]));
+    section_sizes(head, pixel_bytes, scene->path ? strlen(scene->path) + 1 : 1, sizes);
+    for (int i = 0; i < SECTION_COUNT; i++) {
+        head->sections[i] = (span){.offset = offset, .size = sizes[i]};
+        offset = align(offset + sizes[i]);
+    }
+    head->size = offset;
+}
+
+size_t gw_pack_size(const gw_scene *scene, const gw_octree *octree) {
+    header head;
+    make_header(scene, octree, &head);
+    return (size_t)head.size;
+}
+
+static void put(uint8_t *block, const header *head, section part, const void *data) {
+    const span *where = &head->sections[part];
+    if (where->size > 0)
+        memcpy(block + where->offset, data, where->size);
+}
+
+static void put_textures(uint8_t *block, const header *head, const gw_scene *scene) {
+    packed_texture *textures = (packed_texture *)(void *)(block + head->sections[TEXTURES].offset);
+    uint8_t *pixels = block + head->sections[PIXELS].offset;
+    uint64_t offset = 0;
+    for (uint32_t i = 0; i < scene->texture_count; i++) {
+        const gw_texture *from = &scene->textures[i];
+        packed_texture *to = &textures[i];
+        memcpy(to->name, from->name, sizeof to->name);
+        to->width = from->image.width;
+        to->height = from->image.height;
+        to->wrap_u = (int32_t)from->wrap_u;
+        to->wrap_v = (int32_t)from->wrap_v;
+        to->offset = offset;
+        memcpy(pixels + offset, from->image.rgba, texture_bytes(from));
+        offset += align(texture_bytes(from));
+    }
+}
+
+void gw_pack(const gw_scene *scene, const gw_octree *octree, void *block) {
+    header head;
+    make_header(scene, octree, &head);
+    /* Gaps between sections are zero, so that equal input gives equal bytes. */
+    memset(block, 0, (size_t)head.size);
+    memcpy(block, &head, sizeof head);
+    put(block, &head, POSITIONS, scene->positions);
+    put(block, &head, NORMALS, scene->normals);
+    put(block, &head, TEXCOORDS, scene->texcoords);
+    put(block, &head, COLORS, scene->colors);
+    put(block, &head, TRIANGLES, scene->triangles);
+    put(block, &head, MATERIAL_OF, scene->material_of);
+    put(block, &head, MATERIALS, scene->materials);
+    put_textures(block, &head, scene);
+    put(block, &head, LIGHTS, scene->lights);
+    put(block, &head, VIEWPOINTS, scene->viewpoints);
+    put(block, &head, NODES, octree->nodes);
+    put(block, &head, PAYLOADS, octree->payloads);
+    put(block, &head, REFERENCES, octree->references);
+    put(block, &head, PATH, scene->path ? scene->path : "");
+}
+
+/* --- reading back
+ * ---------------------------------------------------------------------------------------------- */
+
+static gw_code broken(gw_error *error, const char *what) {
+    return gw_fail(error, GW_BAD_INPUT, "the shared scene is damaged (%s); start again", what);
+}
+
+static gw_code check_sections(const uint8_t *block, size_t size, const header *head, gw_error *error) {
+    if (memcmp(head->magic, magic, sizeof magic) || head->size != size)
+        return broken(error, "its head or size is wrong");
+    uint64_t sizes[SECTION_COUNT];
+    section_sizes(head, head->sections[PIXELS].size, head->sections[PATH].size, sizes);
+    for (int i = 0; i < SECTION_COUNT; i++) {
+        const span *part = &head->sections[i];
+        if (part->size != sizes[i] || part->offset % 64 || part->offset > size ||
+            part->size > size - part->offset)
+            return broken(error, "a section lies outside");
+    }
+    const span *path = &head->sections[PATH];
+    if (path->size < 1 || block[path->offset + path->size - 1])
+        return broken(error, "its name has no end");
+    if (head->depth < 1 || head->depth > GW_OCTREE_MAXIMUM_DEPTH || head->node_count < 1 ||
+        head->reference_count < 1)
+        return broken(error, "its octree is empty");
+    return GW_OK;
+}
+
+static gw_code check_indices(const gw_scene *scene, gw_error *error) {
+    for (uint32_t i = 0; i < scene->triangle_count; i++) {
+        const uint32_t *corners = scene->triangles[i];
+        if (corners[0] >= scene->vertex_count || corners[1] >= scene->vertex_count ||
+            corners[2] >= scene->vertex_count || scene->material_of[i] >= scene->material_count)
+            return broken(error, "a triangle's index is out of range");
+    }
+    for (uint32_t i = 0; i < scene->material_count; i++) {
+        int32_t texture = scene->materials[i].base_color_texture;
+        if (texture < -1 || texture >= (int64_t)scene->texture_count)
+            return broken(error, "a material's texture is out of range");
+    }
+    return GW_OK;
+}
+
+static gw_code view_textures(uint8_t *block, const header *head, gw_unpacked *out, gw_error *error) {
+    gw_code code = gw_allocate((void **)&out->textures, head->texture_count, sizeof *out->textures,
+                               "texture table", error);
+    if (code)
+        return code;
+    const packed_texture *from =
+        (const packed_texture *)(const void *)(block + head->sections[TEXTURES].offset);
+    uint64_t available = head->sections[PIXELS].size;
+    for (uint32_t i = 0; i < head->texture_count; i++) {
+        uint64_t size = (uint64_t)from[i].width * from[i].height * 4;
+        if (from[i].width > GW_IMAGE_MAXIMUM_SIDE || from[i].height > GW_IMAGE_MAXIMUM_SIDE ||
+            from[i].offset > available || size > available - from[i].offset)
+            return broken(error, "a texture lies outside");
+        gw_texture *to = &out->textures[i];
+        memcpy(to->name, from[i].name, sizeof to->name);
+        to->name[sizeof to->name - 1] = '\0';
+        to->image = (gw_image){.width = from[i].width,
+                               .height = from[i].height,
+                               .rgba = block + head->sections[PIXELS].offset + from[i].offset};
+        to->wrap_u = (gw_wrap)from[i].wrap_u;
+        to->wrap_v = (gw_wrap)from[i].wrap_v;
+    }
+    out->scene.textures = out->textures;
+    return GW_OK;
+}
+
+static void view_scene(uint8_t *block, const header *head, gw_scene *scene) {
+#define AT(part) ((void *)(block + head->sections[part].offset))
+    scene->path = AT(PATH);
+    scene->hash = head->scene_hash;
+    scene->vertex_count = head->vertex_count;
+    scene->positions = AT(POSITIONS);
+    scene->normals = AT(NORMALS);
+    scene->texcoords = AT(TEXCOORDS);
+    scene->colors = head->has_colors ? AT(COLORS) : NULL;
+    scene->triangle_count = head->triangle_count;
+    scene->triangles = AT(TRIANGLES);
+    scene->material_of = AT(MATERIAL_OF);
+    scene->material_count = head->material_count;
+    scene->materials = AT(MATERIALS);
+    scene->texture_count = head->texture_count;
+    scene->light_count = head->light_count;
+    scene->lights = AT(LIGHTS);
+    scene->viewpoint_count = head->viewpoint_count;
+    scene->viewpoints = AT(VIEWPOINTS);
+    memcpy(scene->ambient, head->ambient, sizeof scene->ambient);
+    memcpy(scene->background, head->background, sizeof scene->background);
+    scene->placement = head->placement;
+    memcpy(scene->centre, head->centre, sizeof scene->centre);
+    scene->exponent = head->exponent;
+    memcpy(scene->bounds, head->bounds, sizeof scene->bounds);
+#undef AT
+}
+
+static void view_octree(uint8_t *block, const header *head, gw_octree *octree) {
+    octree->depth = head->depth;
+    octree->node_count = head->node_count;
+    octree->reference_count = head->reference_count;
+    memcpy(octree->level_begin, head->level_begin, sizeof octree->level_begin);
+    octree->nodes = (void *)(block + head->sections[NODES].offset);
+    octree->payloads = (void *)(block + head->sections[PAYLOADS].offset);
+    octree->references = (void *)(block + head->sections[REFERENCES].offset);
+    octree->hash = head->octree_hash;
+    octree->borrowed = 1;
+    octree->statistics = head->statistics;
+}
+
+gw_code gw_unpack(const void *block, size_t size, gw_unpacked *out, gw_error *error) {
+    memset(out, 0, sizeof *out);
+    if (size < sizeof(header))
+        return broken(error, "it is cut");
+    header head;
+    memcpy(&head, block, sizeof head);
+    gw_code code = check_sections(block, size, &head, error);
+    if (code)
+        return code;
+    /* gw_scene has no const pointers because its makers fill it; nobody writes through these. */
+    uint8_t *bytes = (uint8_t *)(uintptr_t)block;
+    view_scene(bytes, &head, &out->scene);
+    view_octree(bytes, &head, &out->octree);
+    code = view_textures(bytes, &head, out, error);
+    if (!code)
+        code = check_indices(&out->scene, error);
+    if (code)
+        gw_unpacked_finish(out);
+    return code;
+}
+
+void gw_unpacked_finish(gw_unpacked *unpacked) {
+    free(unpacked->textures);
+    memset(unpacked, 0, sizeof *unpacked);
+}

@@ -1,0 +1,349 @@
+#include "wall/frames.h"
+
+#include "base/file.h"
+#include "base/memory.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { STATES_VERSION = 1, MAXIMUM_STATES = 1000000 };
+static const size_t largest_recording = (size_t)1 << 30;
+
+/* The knobs of a state by name: writer and reader share these tables. */
+typedef struct float_field {
+    const char *name;
+    size_t offset;
+    double maximum;
+} float_field;
+
+static const float_field float_fields[] = {
+    {"tau", offsetof(gw_frame_state, tau), 64},
+    {"tau_inside", offsetof(gw_frame_state, tau_inside), 64},
+    {"gaze_margin", offsetof(gw_frame_state, gaze_margin), 90},
+    {"gaze_blend", offsetof(gw_frame_state, gaze_blend), 90},
+    {"gaze_growth", offsetof(gw_frame_state, gaze_growth), 1000},
+    {"gaze_latency", offsetof(gw_frame_state, gaze_latency), 1000},
+    {"gaze_growth_limit", offsetof(gw_frame_state, gaze_growth_limit), 90},
+    {"acuity_slope", offsetof(gw_frame_state, acuity_slope), 1},
+};
+
+typedef struct byte_field {
+    const char *name;
+    size_t offset;
+    int maximum;
+} byte_field;
+
+static const byte_field byte_fields[] = {
+    {"geometry", offsetof(gw_frame_state, geometry), GW_GEOMETRY_VOXELS},
+    {"level_blend", offsetof(gw_frame_state, level_blend), 1},
+    {"leaf_blend", offsetof(gw_frame_state, leaf_blend), 1},
+    {"texture_filter", offsetof(gw_frame_state, texture_filter), GW_FILTER_TRILINEAR},
+    {"triangle_precision", offsetof(gw_frame_state, triangle_precision), GW_PRECISION_DOUBLE},
+    {"debug", offsetof(gw_frame_state, debug), GW_DEBUG_GAZE},
+};
+
+#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
+
+/* --- making
+ * ---------------------------------------------------------------------------------------------------- */
+
+void gw_frame_begin(gw_frame_state *state, uint32_t frame, const gw_settings *settings, uint32_t seed,
+                    gw_debug_view debug) {
+    memset(state, 0, sizeof *state);
+    state->frame = frame;
+    state->seed = seed;
+    gw_frame_state_apply(state, settings);
+    state->debug = (uint8_t)debug;
+}
+
+/* A gaze from eye along direction (any length but 0); up is wall space's y, or -z for a gaze straight up or
+ * down, made perpendicular to the direction. */
+static void add_gaze(gw_frame_state *state, const double eye[3], const double direction[3],
+                     const gw_settings *settings, double age, double confidence) {
+    double length =
+        sqrt(direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2]);
+    if (!(length > 0))
+        return;
+    gw_gaze *gaze = &state->gazes[state->gaze_count++];
+    double unit[3], up[3] = {0, 1, 0};
+    for (int i = 0; i < 3; i++)
+        unit[i] = direction[i] / length;
+    if (fabs(unit[1]) > 0.99) {
+        up[1] = 0;
+        up[2] = -1;
+    }
+    double along = up[0] * unit[0] + up[1] * unit[1] + up[2] * unit[2], norm = 0;
+    for (int i = 0; i < 3; i++) {
+        up[i] -= along * unit[i];
+        norm += up[i] * up[i];
+    }
+    norm = sqrt(norm);
+    for (int i = 0; i < 3; i++) {
+        gaze->eye[i] = (float)eye[i];
+        gaze->direction[i] = (float)unit[i];
+        gaze->up[i] = (float)(up[i] / norm);
+    }
+    gaze->half_width = (float)settings->gaze_half_width;
+    gaze->half_height = (float)settings->gaze_half_height;
+    gaze->age = (float)age;
+    gaze->confidence = (float)confidence;
+}
+
+void gw_frame_look(gw_frame_state *state, const gw_track *track, int64_t time, const double neutral_eye[3],
+                   const gw_settings *settings) {
+    gw_track_sample sample;
+    memset(&sample, 0, sizeof sample);
+    gw_track_at(track, time, &sample);
+    state->time = time;
+    memcpy(state->eye, sample.has_head ? sample.eye : neutral_eye, sizeof state->eye);
+    if (sample.has_gaze)
+        add_gaze(state, state->eye, sample.gaze_direction, settings, (double)sample.gaze_age * 1e-9,
+                 sample.confidence);
+}
+
+void gw_frame_stare(gw_frame_state *state, const double eye[3], const double *target,
+                    const gw_settings *settings) {
+    memcpy(state->eye, eye, sizeof state->eye);
+    if (!target)
+        return;
+    double direction[3] = {target[0] - eye[0], target[1] - eye[1], target[2] - eye[2]};
+    add_gaze(state, eye, direction, settings, 0, 1);
+}
+
+/* --- writing
+ * --------------------------------------------------------------------------------------------------- */
+
+static json_t *pack_doubles(const double *values, size_t count) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < count; i++)
+        json_array_append_new(list, json_real(values[i]));
+    return list;
+}
+
+static json_t *pack_floats(const float *values, size_t count) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < count; i++)
+        json_array_append_new(list, json_real((double)values[i]));
+    return list;
+}
+
+static json_t *pack_gaze(const gw_gaze *gaze) {
+    return json_pack("{s:o, s:o, s:o, s:f, s:f, s:f, s:f}", "eye", pack_floats(gaze->eye, 3), "direction",
+                     pack_floats(gaze->direction, 3), "up", pack_floats(gaze->up, 3), "half_width",
+                     (double)gaze->half_width, "half_height", (double)gaze->half_height, "age",
+                     (double)gaze->age, "confidence", (double)gaze->confidence);
+}
+
+static json_t *pack_state(const gw_frame_state *state) {
+    json_t *gazes = json_array();
+    for (uint32_t i = 0; i < state->gaze_count; i++)
+        json_array_append_new(gazes, pack_gaze(&state->gazes[i]));
+    json_t *object = json_pack("{s:I, s:I, s:o, s:o, s:I}", "frame", (json_int_t)state->frame, "time",
+                               (json_int_t)state->time, "eye", pack_doubles(state->eye, 3), "gazes", gazes,
+                               "seed", (json_int_t)state->seed);
+    for (size_t i = 0; i < COUNT(float_fields); i++) {
+        float value;
+        memcpy(&value, (const char *)state + float_fields[i].offset, sizeof value);
+        json_object_set_new(object, float_fields[i].name, json_real((double)value));
+    }
+    for (size_t i = 0; i < COUNT(byte_fields); i++)
+        json_object_set_new(object, byte_fields[i].name,
+                            json_integer(*((const uint8_t *)state + byte_fields[i].offset)));
+    return object;
+}
+
+gw_code gw_states_save(const char *path, const gw_frame_state *states, size_t count, gw_error *error) {
+    char *text = NULL;
+    size_t size = 0;
+    FILE *stream = open_memstream(&text, &size);
+    if (!stream)
+        return gw_fail(error, GW_MACHINE, "memory is out while writing %zu frame states", count);
+    fprintf(stream, "{\"gazewall_states\": %d}\n", STATES_VERSION);
+    int failed = 0;
+    for (size_t i = 0; i < count && !failed; i++) {
+        json_t *object = pack_state(&states[i]);
+        failed = !object || json_dumpf(object, stream, JSON_COMPACT | JSON_REAL_PRECISION(17)) ||
+                 fputc('\n', stream) == EOF;
+        json_decref(object);
+    }
+    failed |= fclose(stream) != 0;
+    gw_code code = failed
+                       ? gw_fail(error, GW_MACHINE, "frame states could not be put into words: memory is out")
+                       : gw_file_write(path, text, size, error);
+    free(text);
+    return code;
+}
+
+/* --- reading
+ * --------------------------------------------------------------------------------------------------- */
+
+/* Where in the recording we are, for messages. */
+typedef struct place {
+    const char *path;
+    size_t line;
+    gw_error *error;
+} place;
+
+static int take_number(const place *at, const json_t *object, const char *key, double minimum, double maximum,
+                       double *out) {
+    const json_t *value = json_object_get(object, key);
+    *out = json_number_value(value);
+    if (json_is_number(value) && *out >= minimum && *out <= maximum)
+        return 1;
+    gw_fail(at->error, GW_BAD_INPUT, "%s:%zu: '%s' is missing or not a number from %g to %g", at->path,
+            at->line, key, minimum, maximum);
+    return 0;
+}
+
+static int take_float(const place *at, const json_t *object, const char *key, double maximum, float *out) {
+    double value;
+    int good = take_number(at, object, key, 0, maximum, &value);
+    *out = (float)value;
+    return good;
+}
+
+static int take_point(const place *at, const json_t *object, const char *key, double out[3]) {
+    const json_t *list = json_object_get(object, key);
+    int good = json_is_array(list) && json_array_size(list) == 3;
+    for (size_t i = 0; i < 3 && good; i++) {
+        const json_t *value = json_array_get(list, i);
+        out[i] = json_number_value(value);
+        good = json_is_number(value) && fabs(out[i]) <= 1e9;
+    }
+    if (!good)
+        gw_fail(at->error, GW_BAD_INPUT, "%s:%zu: '%s' is missing or not three numbers within 1e9", at->path,
+                at->line, key);
+    return good;
+}
+
+static int take_float_point(const place *at, const json_t *object, const char *key, float out[3]) {
+    double point[3] = {0, 0, 0};
+    int good = take_point(at, object, key, point);
+    for (int i = 0; i < 3; i++)
+        out[i] = (float)point[i];
+    return good;
+}
+
+static int take_unit(const place *at, const json_t *object, const char *key, float out[3]) {
+    if (!take_float_point(at, object, key, out))
+        return 0;
+    double square = (double)out[0] * out[0] + (double)out[1] * out[1] + (double)out[2] * out[2];
+    if (fabs(square - 1) < 1e-3)
+        return 1;
+    gw_fail(at->error, GW_BAD_INPUT, "%s:%zu: '%s' has length %g, not 1", at->path, at->line, key,
+            sqrt(square));
+    return 0;
+}
+
+static int take_gazes(const place *at, const json_t *object, gw_frame_state *state) {
+    const json_t *list = json_object_get(object, "gazes");
+    if (!json_is_array(list) || json_array_size(list) > GW_MAXIMUM_VIEWERS) {
+        gw_fail(at->error, GW_BAD_INPUT, "%s:%zu: 'gazes' is missing or not a list of at most %d", at->path,
+                at->line, GW_MAXIMUM_VIEWERS);
+        return 0;
+    }
+    state->gaze_count = (uint32_t)json_array_size(list);
+    for (uint32_t i = 0; i < state->gaze_count; i++) {
+        const json_t *item = json_array_get(list, i);
+        gw_gaze *gaze = &state->gazes[i];
+        if (!take_float_point(at, item, "eye", gaze->eye) ||
+            !take_unit(at, item, "direction", gaze->direction) || !take_unit(at, item, "up", gaze->up) ||
+            !take_float(at, item, "half_width", 90, &gaze->half_width) ||
+            !take_float(at, item, "half_height", 90, &gaze->half_height) ||
+            !take_float(at, item, "age", 1e9, &gaze->age) ||
+            !take_float(at, item, "confidence", 1, &gaze->confidence))
+            return 0;
+    }
+    return 1;
+}
+
+static int take_knobs(const place *at, const json_t *object, gw_frame_state *state) {
+    for (size_t i = 0; i < COUNT(float_fields); i++) {
+        float value;
+        if (!take_float(at, object, float_fields[i].name, float_fields[i].maximum, &value))
+            return 0;
+        memcpy((char *)state + float_fields[i].offset, &value, sizeof value);
+    }
+    for (size_t i = 0; i < COUNT(byte_fields); i++) {
+        double value;
+        if (!take_number(at, object, byte_fields[i].name, 0, byte_fields[i].maximum, &value))
+            return 0;
+        *((uint8_t *)state + byte_fields[i].offset) = (uint8_t)value;
+    }
+    return 1;
+}
+
+static int take_state(const place *at, const json_t *object, gw_frame_state *state) {
+    double frame = 0, time = 0, seed = 0;
+    memset(state, 0, sizeof *state);
+    if (!take_number(at, object, "frame", 0, UINT32_MAX, &frame) ||
+        !take_number(at, object, "time", 0, 9e18, &time) ||
+        !take_number(at, object, "seed", 0, UINT32_MAX, &seed) ||
+        !take_point(at, object, "eye", state->eye) || !take_gazes(at, object, state) ||
+        !take_knobs(at, object, state))
+        return 0;
+    state->frame = (uint32_t)frame;
+    state->seed = (uint32_t)seed;
+    /* The time is an integer of more digits than a double holds. */
+    state->time = (int64_t)json_integer_value(json_object_get(object, "time"));
+    return 1;
+}
+
+static gw_code read_line(const place *at, const char *line, size_t length, gw_states *out, size_t *capacity) {
+    json_error_t where;
+    json_t *object = json_loadb(line, length, JSON_REJECT_DUPLICATES, &where);
+    gw_code code = GW_OK;
+    if (!json_is_object(object)) {
+        code =
+            gw_fail(at->error, GW_BAD_INPUT, "%s:%zu: not a JSON object: %s", at->path, at->line, where.text);
+    } else if (at->line == 1) {
+        if (json_integer_value(json_object_get(object, "gazewall_states")) != STATES_VERSION)
+            code = gw_fail(
+                at->error, GW_BAD_INPUT,
+                "%s:1: no recording of frame states: the first line must be {\"gazewall_states\": %d}",
+                at->path, STATES_VERSION);
+    } else if (out->count == MAXIMUM_STATES) {
+        code = gw_fail(at->error, GW_BAD_INPUT, "%s:%zu: more than %d frame states", at->path, at->line,
+                       MAXIMUM_STATES);
+    } else {
+        code = gw_grow((void **)&out->states, capacity, out->count + 1, sizeof *out->states, "frame states",
+                       at->error);
+        if (!code && take_state(at, object, &out->states[out->count]))
+            out->count++;
+        else if (!code)
+            code = GW_BAD_INPUT;
+    }
+    json_decref(object);
+    return code;
+}
+
+gw_code gw_states_load(const char *path, gw_states *out, gw_error *error) {
+    memset(out, 0, sizeof *out);
+    gw_bytes bytes = {0};
+    gw_code code = gw_file_read(path, largest_recording, &bytes, error);
+    size_t capacity = 0;
+    place at = {.path = path, .line = 0, .error = error};
+    const char *cursor = (const char *)bytes.data, *end = cursor ? cursor + bytes.size : NULL;
+    while (!code && cursor < end) {
+        const char *stop = memchr(cursor, '\n', (size_t)(end - cursor));
+        size_t length = stop ? (size_t)(stop - cursor) : (size_t)(end - cursor);
+        at.line++;
+        if (length > 0)
+            code = read_line(&at, cursor, length, out, &capacity);
+        cursor += length + 1;
+    }
+    if (!code && out->count == 0)
+        code = gw_fail(error, GW_BAD_INPUT, "%s has no frame state in it", path);
+    gw_bytes_finish(&bytes);
+    if (code)
+        gw_states_finish(out);
+    return code;
+}
+
+void gw_states_finish(gw_states *states) {
+    free(states->states);
+    memset(states, 0, sizeof *states);
+}

@@ -1,0 +1,41 @@
+/* Frame states: made from what a track says at a moment, or read from a recording of states; written one per
+ * frame.
+ *
+ * A recording (--save-states, --states) is JSON lines: a first line {"gazewall_states": 1}, then one object
+ * per frame with every field of gw_frame_state; numbers carry enough digits to come back bit for bit. Rank 0
+ * only. */
+#ifndef GW_WALL_FRAMES_H
+#define GW_WALL_FRAMES_H
+
+#include "base/settings.h"
+#include "base/status.h"
+#include "render/frame_state.h"
+#include "tracking/track.h"
+
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+/* A state without time, eye and gaze: number, FRAME settings, seed, debug view. */
+void gw_frame_begin(gw_frame_state *state, uint32_t frame, const gw_settings *settings, uint32_t seed,
+                    gw_debug_view debug);
+
+/* Eye and gaze from a track at time (ns). Where the track has no head, neutral_eye (mm) stands in; where it
+ * has no gaze, nobody's gaze is known and all is sharp. */
+void gw_frame_look(gw_frame_state *state, const gw_track *track, int64_t time, const double neutral_eye[3],
+                   const gw_settings *settings);
+
+/* A fixed eye and, unless target is NULL, a gaze at a point of wall space (mm). */
+void gw_frame_stare(gw_frame_state *state, const double eye[3], const double *target,
+                    const gw_settings *settings);
+
+typedef struct gw_states {
+    size_t count;
+    gw_frame_state *states; /* owned */
+} gw_states;
+
+gw_code gw_states_load(const char *path, gw_states *out, gw_error *error);
+void gw_states_finish(gw_states *states);
+gw_code gw_states_save(const char *path, const gw_frame_state *states, size_t count, gw_error *error);
+
+#endif

@@ -1,0 +1,60 @@
+/* The wall as built: its tiles in millimetres and pixels, from --tiles/--size or from a site file
+ * (docs/sites.md). A plain value without pointers, so that rank 0 can send it to every rank as bytes. Any
+ * thread. */
+#ifndef GW_WALL_LAYOUT_H
+#define GW_WALL_LAYOUT_H
+
+#include "base/status.h"
+#include "render/view.h"
+
+#include <stdint.h>
+
+enum { GW_MAXIMUM_TILES = 64, GW_MAXIMUM_WALL_SIDE = 32768 /* px */ };
+
+typedef struct gw_tile {
+    char name[32];          /* letters, digits, '-' and '_': it is part of file names */
+    gw_plane plane;         /* all tiles of one split share the same numbers */
+    gw_rectangle rectangle; /* of that plane's pixels */
+    uint32_t picture[2];    /* px: where the tile stands in the picture without bezels */
+    uint32_t framed[2];     /* px: where it stands in the picture with bezels */
+} gw_tile;
+
+typedef struct gw_layout {
+    uint32_t tile_count; /* 1..GW_MAXIMUM_TILES; tile i belongs to rank i */
+    uint32_t picture[2]; /* px, of the picture without bezels: the wall's size in pixels */
+    uint32_t framed[2];  /* px, of the picture with bezels */
+    double size[2];      /* mm, of the box around all tiles, seen from the front */
+    double centre[3];    /* mm, of that box */
+    double eye[3];       /* mm, where a viewer stands when nothing is tracked */
+    gw_tile tiles[GW_MAXIMUM_TILES];
+} gw_layout;
+
+/* A grid of tiles on one flat wall that faces +z, centred on (0,0,0). */
+typedef struct gw_grid {
+    uint32_t columns, rows;
+    uint32_t widths[GW_MAXIMUM_TILES], heights[GW_MAXIMUM_TILES]; /* px, of each column and row */
+    double pitch[2];                                              /* mm per pixel, across and down */
+    double left, right, top, bottom;                              /* mm, bezel of each tile on that side */
+    double eye[3];                                                /* mm */
+} gw_grid;
+
+/* Splits `pixels` into `count` parts as evenly as whole pixels allow: part i is [i*pixels/count,
+ * (i+1)*pixels/count). pixels >= count. */
+void gw_split_evenly(uint32_t pixels, uint32_t count, uint32_t *parts);
+
+/* Without bezels all tiles are cut from one plane and share its numbers, so that every split of it gives the
+ * same pixels; with bezels each tile is its own plane. Tiles are named c0r0, c1r0, ... row by row from the
+ * top left. GW_BAD_INPUT for too many tiles, no pixels, or sizes that are not finite and positive. */
+gw_code gw_layout_grid(const gw_grid *grid, gw_layout *out, gw_error *error);
+
+/* Reads a site file. */
+gw_code gw_layout_load(const char *path, gw_layout *out, gw_error *error);
+
+/* The point of wall space (mm) under a position of the picture without bezels (px, fractions allowed).
+ * GW_BAD_INPUT when no tile is there. */
+gw_code gw_layout_point(const gw_layout *layout, const double pixel[2], double out[3], gw_error *error);
+
+/* Fills size, centre, picture and framed from the tiles. */
+gw_code gw_layout_measure(gw_layout *layout, gw_error *error);
+
+#endif

@@ -1,0 +1,312 @@
+#include "wall/options.h"
+
+#include "base/suggest.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* --- one value
+ * ------------------------------------------------------------------------------------------------- */
+
+/* A whole number in digits; 0 when text has anything else before `end`. */
+static int read_integer(const char *text, const char *end, int64_t *out) {
+    if (text == end || (!isdigit((unsigned char)*text) && *text != '-'))
+        return 0;
+    char *stop;
+    errno = 0;
+    long long value = strtoll(text, &stop, 10);
+    *out = value;
+    return stop == end && errno == 0;
+}
+
+static int read_number(const char *text, const char *end, double *out) {
+    if (text == end || isspace((unsigned char)*text))
+        return 0;
+    char *stop;
+    *out = strtod(text, &stop);
+    return stop == end && isfinite(*out);
+}
+
+gw_code gw_parse_pair(const char *name, const char *text, uint32_t maximum, uint32_t out[2],
+                      gw_error *error) {
+    const char *cross = strchr(text, 'x');
+    int64_t a = 0, b = 0;
+    if (!cross || !read_integer(text, cross, &a) || !read_integer(cross + 1, text + strlen(text), &b))
+        return gw_fail(error, GW_BAD_INPUT, "%s '%s' is not two whole numbers with an x between, as in %s",
+                       name, text, maximum > 1000 ? "960x540" : "2x2");
+    if (a < 1 || b < 1 || a > (int64_t)maximum || b > (int64_t)maximum)
+        return gw_fail(error, GW_BAD_INPUT, "%s '%s' is out of range; both numbers must be 1 to %u", name,
+                       text, maximum);
+    out[0] = (uint32_t)a;
+    out[1] = (uint32_t)b;
+    return GW_OK;
+}
+
+gw_code gw_parse_numbers(const char *name, const char *text, size_t count, double *out, gw_error *error) {
+    const char *at = text;
+    for (size_t i = 0; i < count; i++) {
+        const char *end = i + 1 < count ? strchr(at, ',') : at + strlen(at);
+        if (!end || !read_number(at, end, &out[i]))
+            return gw_fail(error, GW_BAD_INPUT, "%s '%s' is not %zu numbers with commas between, as in %s",
+                           name, text, count, count == 2 ? "480,270" : "0,1.6,4");
+        at = end + 1;
+    }
+    return GW_OK;
+}
+
+gw_code gw_parse_integers(const char *name, const char *text, size_t limit, uint32_t maximum, uint32_t *out,
+                          size_t *count, gw_error *error) {
+    *count = 0;
+    for (const char *at = text;;) {
+        const char *end = at + strcspn(at, ",");
+        int64_t value;
+        if (!read_integer(at, end, &value) || value < 1 || value > (int64_t)maximum)
+            return gw_fail(
+                error, GW_BAD_INPUT,
+                "%s '%s': '%.*s' is not a whole number from 1 to %u (give them with commas between, as in "
+                "500,200,324)",
+                name, text, (int)(end - at), at, maximum);
+        if (*count == limit)
+            return gw_fail(error, GW_BAD_INPUT, "%s '%s' has more than %zu numbers", name, text, limit);
+        out[(*count)++] = (uint32_t)value;
+        if (!*end)
+            return GW_OK;
+        at = end + 1;
+    }
+}
+
+gw_code gw_parse_number(const char *name, const char *text, double minimum, double maximum, double *out,
+                        gw_error *error) {
+    if (!read_number(text, text + strlen(text), out))
+        return gw_fail(error, GW_BAD_INPUT, "%s '%s' is not a number", name, text);
+    if (*out < minimum || *out > maximum)
+        return gw_fail(error, GW_BAD_INPUT, "%s %s is out of range; it must be %g to %g", name, text, minimum,
+                       maximum);
+    return GW_OK;
+}
+
+gw_code gw_parse_integer(const char *name, const char *text, int64_t minimum, int64_t maximum, int64_t *out,
+                         gw_error *error) {
+    if (!read_integer(text, text + strlen(text), out))
+        return gw_fail(error, GW_BAD_INPUT, "%s '%s' is not a whole number", name, text);
+    if (*out < minimum || *out > maximum)
+        return gw_fail(error, GW_BAD_INPUT, "%s %s is out of range; it must be %lld to %lld", name, text,
+                       (long long)minimum, (long long)maximum);
+    return GW_OK;
+}
+
+/* --- a command line
+ * -------------------------------------------------------------------------------------------- */
+
+enum { MAXIMUM_OPTIONS = 96 };
+
+/* All options of an argp and its children, flat. */
+static size_t collect(const struct argp *argp, const struct argp_option **out, size_t count) {
+    for (const struct argp_option *o = argp->options; o && (o->name || o->key || o->doc); o++)
+        if (o->name && count < MAXIMUM_OPTIONS)
+            out[count++] = o;
+    for (const struct argp_child *c = argp->children; c && c->argp; c++)
+        count = collect(c->argp, out, count);
+    return count;
+}
+
+static const struct argp_option *find_option(const struct argp_option *const *options, size_t count,
+                                             const char *name, size_t length) {
+    for (size_t i = 0; i < count; i++)
+        if (!strncmp(options[i]->name, name, length) && !options[i]->name[length])
+            return options[i];
+    return NULL;
+}
+
+static gw_code unknown_option(const struct argp_option *const *options, size_t count, const char *word,
+                              size_t length, gw_error *error) {
+    const char *names[MAXIMUM_OPTIONS + 1];
+    for (size_t i = 0; i < count; i++)
+        names[i] = options[i]->name;
+    names[count] = "help";
+    char bare[64];
+    snprintf(bare, sizeof bare, "%.*s", (int)length, word);
+    const char *near = gw_suggest(bare, names, count + 1);
+    if (near)
+        return gw_fail(error, GW_BAD_INPUT, "unknown option '--%s'; did you mean '--%s'?", bare, near);
+    return gw_fail(error, GW_BAD_INPUT, "unknown option '--%s'; --help lists the options", bare);
+}
+
+/* Looks over argv before argp does, because argp tells its parsers nothing about an option that it does not
+ * know. Leaves argp only well-formed command lines. */
+static gw_code check(const struct argp *argp, int argc, char **argv, int *help, gw_error *error) {
+    const struct argp_option *options[MAXIMUM_OPTIONS];
+    size_t count = collect(argp, options, 0);
+    for (int i = 1; i < argc; i++) {
+        const char *word = argv[i];
+        if (!strcmp(word, "--help") || !strcmp(word, "-h") || !strcmp(word, "-?")) {
+            *help = 1;
+            return GW_OK;
+        }
+        if (!strcmp(word, "--"))
+            return GW_OK;
+        if (word[0] != '-' || !word[1])
+            continue;
+        if (word[1] != '-')
+            return gw_fail(error, GW_BAD_INPUT,
+                           "unknown option '%s'; options are whole words after two dashes, --help lists them",
+                           word);
+        size_t length = strcspn(word + 2, "=");
+        const struct argp_option *option = find_option(options, count, word + 2, length);
+        if (!option)
+            return unknown_option(options, count, word + 2, length, error);
+        int has_value = word[2 + length] == '=';
+        if (has_value && !option->arg)
+            return gw_fail(error, GW_BAD_INPUT, "option '--%s' takes no value", option->name);
+        if (option->arg && !has_value && ++i == argc)
+            return gw_fail(error, GW_BAD_INPUT, "option '--%s' needs a value: --%s %s", option->name,
+                           option->name, option->arg);
+    }
+    return GW_OK;
+}
+
+gw_code gw_arguments_parse(const struct argp *argp, int argc, char **argv, void *input, int *helped,
+                           gw_error *error) {
+    *helped = 0;
+    gw_code code = check(argp, argc, argv, helped, error);
+    if (code)
+        return code;
+    if (*helped) {
+        char name[64];
+        snprintf(name, sizeof name, "gazewall %s", argv[0]);
+        argp_help(argp, stdout, ARGP_HELP_USAGE | ARGP_HELP_LONG | ARGP_HELP_DOC, name);
+        return GW_OK;
+    }
+    error_t failed =
+        argp_parse(argp, argc, argv, ARGP_NO_EXIT | ARGP_NO_ERRS | ARGP_NO_HELP | ARGP_IN_ORDER, NULL, input);
+    if (failed && error->code == GW_OK)
+        return gw_fail(error, GW_BAD_INPUT, "the command line could not be read (%s); see --help",
+                       strerror(failed));
+    return error->code;
+}
+
+/* --- the options of all drawing verbs
+ * --------------------------------------------------------------------------- */
+
+enum {
+    KEY_SCENE = 0x1000,
+    KEY_SET,
+    KEY_TAU,
+    KEY_SEED,
+    KEY_TIME,
+    KEY_DEBUG,
+    KEY_REPORT,
+    KEY_SHADERS,
+    KEY_COUNT,
+    KEY_QUIET,
+    KEY_LOG
+};
+
+static const char *const debug_names[] = {"none", "levels", "steps", "normals", "gaze"};
+
+static const struct argp_option draw_options[] = {
+    {NULL, 0, NULL, 0, "What is drawn:", 10},
+    {"scene", KEY_SCENE, "FILE", 0,
+     "model (.gltf .glb .obj .ply .ply.gz .stl .off) or YAML scene; default: the embedded demo scene", 10},
+    {"set", KEY_SET, "NAME=VALUE", 0, "any setting, may be repeated; 'gazewall settings' lists them", 10},
+    {"tau", KEY_TAU, "FOOTPRINTS", 0,
+     "0 to 64, default 1: outside the gaze a cell up to this many ray footprints wide stands for its "
+     "contents "
+     "(0: exact triangles everywhere); the same as --set tau=",
+     10},
+    {"seed", KEY_SEED, "N", 0, "0 to 4294967295, default 0: of every random number", 10},
+    {"time", KEY_TIME, "SECONDS", 0, "0 to 1e6, default 0: where on the track's clock the first frame stands",
+     10},
+    {"debug", KEY_DEBUG, "VIEW", 0,
+     "levels (red: triangles, green to blue: voxel levels), steps, normals, gaze, or none; default none", 10},
+    {NULL, 0, NULL, 0, "What is told:", 11},
+    {"report", KEY_REPORT, "FILE", 0, "write the report there, as JSON", 11},
+    {"count", KEY_COUNT, NULL, 0,
+     "count steps, node loads and triangle tests for the report (slower, same pixels)", 11},
+    {"quiet", KEY_QUIET, NULL, 0, "no progress and no summary, only errors", 11},
+    {"log", KEY_LOG, "LEVEL", 0, "error, warning, info or debug; default info", 11},
+    {"shaders", KEY_SHADERS, "FOLDER", 0, "read the shaders there instead of the embedded ones", 11},
+    {0}};
+
+static gw_code set_debug(gw_draw_options *options, const char *word) {
+    size_t count = sizeof debug_names / sizeof debug_names[0];
+    for (size_t i = 0; i < count; i++)
+        if (!strcmp(word, debug_names[i])) {
+            options->debug = (gw_debug_view)i;
+            return GW_OK;
+        }
+    const char *near = gw_suggest(word, debug_names, count);
+    return gw_fail(options->error, GW_BAD_INPUT,
+                   "--debug '%s' is no view; it is one of none, levels, steps, normals, gaze%s%s%s", word,
+                   near ? " (did you mean '" : "", near ? near : "", near ? "'?)" : "");
+}
+
+static gw_code set_tau(gw_draw_options *options, const char *text) {
+    char assignment[64];
+    snprintf(assignment, sizeof assignment, "tau=%s", text);
+    gw_code code = gw_settings_assign(&options->settings, assignment, options->error);
+    return code ? gw_context(options->error, "--tau") : GW_OK;
+}
+
+static error_t parse_draw(int key, char *argument, struct argp_state *state) {
+    gw_draw_options *options = state->input;
+    gw_error *error = options->error;
+    int64_t integer = 0;
+    gw_code code = GW_OK;
+    switch (key) {
+    case KEY_SCENE:
+        options->scene = argument;
+        break;
+    case KEY_SET:
+        code = gw_settings_assign(&options->settings, argument, error);
+        if (code)
+            gw_context(error, "--set");
+        break;
+    case KEY_TAU:
+        code = set_tau(options, argument);
+        break;
+    case KEY_SEED:
+        code = gw_parse_integer("--seed", argument, 0, UINT32_MAX, &integer, error);
+        options->seed = (uint32_t)integer;
+        break;
+    case KEY_TIME:
+        code = gw_parse_number("--time", argument, 0, 1e6, &options->time, error);
+        break;
+    case KEY_DEBUG:
+        code = set_debug(options, argument);
+        break;
+    case KEY_REPORT:
+        options->report = argument;
+        break;
+    case KEY_SHADERS:
+        options->shaders = argument;
+        break;
+    case KEY_COUNT:
+        options->count = 1;
+        break;
+    case KEY_QUIET:
+        options->quiet = 1;
+        break;
+    case KEY_LOG:
+        if (!gw_log_level_parse(argument, &options->level))
+            code = gw_fail(error, GW_BAD_INPUT,
+                           "--log '%s' is no level; it is one of error, warning, info, debug", argument);
+        break;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+    return code ? EINVAL : 0;
+}
+
+const struct argp gw_draw_argp = {.options = draw_options, .parser = parse_draw};
+
+void gw_draw_options_init(gw_draw_options *options, gw_error *error) {
+    memset(options, 0, sizeof *options);
+    options->error = error;
+    options->level = GW_LOG_INFO;
+    gw_settings_init(&options->settings);
+}

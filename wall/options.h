@@ -1,0 +1,53 @@
+/* Reading command lines: glibc argp, without its exits and messages, so that every error is one sentence of
+ * ours that names the nearest known option; and the options that all drawing verbs share. Main thread only
+ * (getopt keeps global state). */
+#ifndef GW_WALL_OPTIONS_H
+#define GW_WALL_OPTIONS_H
+
+#include "base/log.h"
+#include "base/settings.h"
+#include "base/status.h"
+#include "render/frame_state.h"
+
+#include <argp.h>
+#include <stdint.h>
+
+/* The options common to all drawing verbs. Texts point into argv. */
+typedef struct gw_draw_options {
+    gw_error *error;     /* where the parser leaves its sentence; set before parsing */
+    const char *scene;   /* NULL: the embedded demo scene */
+    const char *report;  /* file for the JSON report, or NULL */
+    const char *shaders; /* folder of shaders instead of the embedded ones, or NULL */
+    gw_settings settings;
+    uint32_t seed;
+    double time; /* s */
+    gw_debug_view debug;
+    gw_log_level level;
+    int quiet;
+    int count; /* count steps, node loads and triangle tests (slower, same pixels) */
+} gw_draw_options;
+
+void gw_draw_options_init(gw_draw_options *options, gw_error *error);
+
+/* As a child of a verb's argp; its input is a gw_draw_options. */
+extern const struct argp gw_draw_argp;
+
+/* Parses argv with argp. GW_OK with *helped = 1 when --help was asked for and has been printed. The parsers
+ * of argp return EINVAL after gw_fail() on `error`. */
+gw_code gw_arguments_parse(const struct argp *argp, int argc, char **argv, void *input, int *helped,
+                           gw_error *error);
+
+/* "960x540": two integers in 1..maximum. name is the option's name for the message. */
+gw_code gw_parse_pair(const char *name, const char *text, uint32_t maximum, uint32_t out[2], gw_error *error);
+/* Exactly count comma-separated finite numbers. */
+gw_code gw_parse_numbers(const char *name, const char *text, size_t count, double *out, gw_error *error);
+/* 1..limit comma-separated integers in 1..maximum. */
+gw_code gw_parse_integers(const char *name, const char *text, size_t limit, uint32_t maximum, uint32_t *out,
+                          size_t *count, gw_error *error);
+/* One finite number / integer in [minimum, maximum]. */
+gw_code gw_parse_number(const char *name, const char *text, double minimum, double maximum, double *out,
+                        gw_error *error);
+gw_code gw_parse_integer(const char *name, const char *text, int64_t minimum, int64_t maximum, int64_t *out,
+                         gw_error *error);
+
+#endif

@@ -121,9 +121,9 @@ demo: all
 	$(quiet)mkdir -p $(OUT)/demo
 	$(quiet)$(PROGRAM) sim --tiles 2x2 --size 1280x720 --frames 8 --out $(OUT)/demo --report $(OUT)/demo/report.json
 
-tests: all $(TEST_PROGRAMS)
+tests: $(ARCHIVE) $(TEST_PROGRAMS)
 
-test: tests
+test: all tests
 	$(quiet)tests/run.sh '$(TREE)' '$(ONLY)'
 
 hard: all $(filter $(TREE)/tests/hard/%,$(TEST_PROGRAMS))

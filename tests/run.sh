@@ -1,0 +1,120 @@
+#!/bin/bash
+# Runs the tests and counts them one by one.
+#   tests/run.sh TREE [ONLY]      TREE: build tree, out/release; ONLY: part of "kind/name"
+# Every tests/<kind>/test_*.c is a cmocka program, every tests/{cli,mpi}/*.sh a script; all speak TAP. Programs and
+# scripts find the binary in $GAZEWALL and a folder of their own, removed afterwards, in $GW_TEST_FOLDER.
+# The last line is "N passed, N failed", with ", N skipped" when some were; exit code 1 if any failed or none ran.
+set -u
+cd "$(dirname "$0")/.." || exit 1
+
+tree=$1
+only=${2:-}
+logs=$tree/test-logs
+scratch=$(mktemp -d "${TMPDIR:-/tmp}/gazewall-test.XXXXXX") || exit 1
+running=
+stop() {
+    [ -z "$running" ] || kill -TERM "$running" 2>/dev/null
+    rm -rf "$scratch"
+}
+trap stop EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM
+
+GAZEWALL=$(cd "$tree" && pwd)/gazewall
+export GAZEWALL
+export CMOCKA_MESSAGE_OUTPUT=tap
+# The packaged GL and MPI libraries leak at exit; leaks of our own are looked for in the tests that use neither.
+export UBSAN_OPTIONS="${UBSAN_OPTIONS:-print_stacktrace=1:halt_on_error=1}"
+
+mkdir -p "$logs"
+rm -f "$logs"/*.log
+passed=0 failed=0 skipped=0 files=0
+
+# Seconds after which a file of this kind counts as hanging. Software GL on a busy machine is slow.
+limit_of() {
+    case $1 in
+    unit) echo 120 ;;
+    gpu) echo 600 ;;
+    *) echo 1200 ;;
+    esac
+}
+
+# Counts the TAP lines of a log: prints "passed failed skipped".
+count() {
+    awk '
+        /^1\.\.[0-9]+/ { split($0, part, "."); plan += part[3] + 0; planned = 1; if (tolower($0) ~ /# *skip/) skip++ }
+        /^(not )?ok([ \t]|$)/ {
+            seen++
+            if (tolower($0) ~ /# *skip/) skip++
+            else if ($1 == "ok") pass++
+            else fail++
+        }
+        END {
+            if (planned && seen < plan) fail += plan - seen
+            print pass + 0, fail + 0, skip + 0
+        }' "$1"
+}
+
+run_file() {
+    local kind=$1 name=$2
+    shift 2
+    case "$kind/$name" in *"$only"*) ;; *) return ;; esac
+    local log=$logs/$kind-$name.log leaks=0 start code p f s
+    [ "$kind" != unit ] || leaks=1
+    mkdir -p "$scratch/$kind-$name"
+    start=$(date +%s.%N)
+    GW_TEST_FOLDER=$scratch/$kind-$name ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=$leaks} \
+        timeout -k 10 "$(limit_of "$kind")" "$@" >"$log" 2>&1 </dev/null &
+    running=$!
+    wait "$running"
+    code=$?
+    running=
+    rm -rf "${scratch:?}/$kind-$name"
+    read -r p f s < <(count "$log")
+    # An exit code without a failed line is a crash, a leak or a time-out; no line at all is no test.
+    local why=
+    if [ "$code" -eq 124 ] || [ "$code" -eq 137 ]; then
+        f=$((f > 0 ? f : 1)) why=" (stopped after $(limit_of "$kind") s)"
+    elif [ "$code" -ne 0 ] && [ "$f" -eq 0 ]; then
+        f=1 why=" (exit code $code)"
+    elif [ $((p + f + s)) -eq 0 ]; then
+        f=1 why=" (no test in it)"
+    fi
+    passed=$((passed + p)) failed=$((failed + f)) skipped=$((skipped + s)) files=$((files + 1))
+    awk -v name="$kind/$name" -v p="$p" -v f="$f" -v s="$s" -v why="$why" -v a="$start" -v b="$(date +%s.%N)" 'BEGIN {
+        printf "%-44s %4d passed", name, p
+        if (f) printf ", %d failed%s", f, why
+        if (s) printf ", %d skipped", s
+        printf "  (%.1f s)\n", b - a
+    }'
+    if [ "$f" -gt 0 ]; then
+        echo "---- $log"
+        tail -n 200 "$log"
+        echo "----"
+    elif [ "$s" -gt 0 ]; then
+        grep -iE '# *skip' "$log" | sed 's/^/    /'
+    fi
+}
+
+# Fast kinds first.
+for kind in unit gpu hard oracle; do
+    for source in tests/"$kind"/test_*.c; do
+        [ -e "$source" ] || continue
+        name=$(basename "$source" .c)
+        run_file $kind "$name" "$tree/tests/$kind/$name"
+    done
+done
+for kind in cli mpi; do
+    for script in tests/"$kind"/*.sh; do
+        [ -e "$script" ] || continue
+        run_file $kind "$(basename "$script" .sh)" bash "$script"
+    done
+done
+
+[ $files -gt 0 ] || echo "no test matches '$only'"
+if [ $skipped -gt 0 ]; then
+    echo "$passed passed, $failed failed, $skipped skipped"
+else
+    echo "$passed passed, $failed failed"
+fi
+[ $failed -eq 0 ] && [ $passed -gt 0 ]

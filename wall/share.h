@@ -1,0 +1,41 @@
+/* Sharing the scene and its octree among the ranks before frame 1: one copy per machine, in a named POSIX
+ * shared-memory segment that every rank of the machine maps read-only.
+ *
+ * The segment is /gazewall-<pid>-<nonce>, made by the machine's first rank and unlinked once all ranks there
+ * have mapped it, so that from frame 1 on nothing of it can be left behind. What a killed run left is swept
+ * by name and dead owner. Collective over all ranks; before frame 1 only. */
+#ifndef GW_WALL_SHARE_H
+#define GW_WALL_SHARE_H
+
+#include "base/status.h"
+#include "build/octree.h"
+#include "build/pack.h"
+#include "build/scene.h"
+
+#include <mpi.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct gw_share {
+    MPI_Comm machine; /* the ranks of this machine */
+    MPI_Comm leaders; /* the first rank of each machine; MPI_COMM_NULL on the others */
+    int is_leader;
+    void *block; /* mapped read-only */
+    size_t size;
+    gw_unpacked contents;
+} gw_share;
+
+/* Finds out who shares a machine. Call right after MPI_Init, when all ranks arrive together. */
+gw_code gw_share_init(gw_share *share, gw_error *error);
+
+/* Rank 0 gives scene and octree, the others NULL; on return share->contents holds both on every rank. Waits
+ * until deadline (gw_now_ns clock). */
+gw_code gw_share_spread(gw_share *share, const gw_scene *scene, const gw_octree *octree, int64_t deadline,
+                        gw_error *error);
+
+void gw_share_finish(gw_share *share);
+
+/* Removes segments of this user whose owner no longer lives; returns how many. */
+int gw_share_sweep(void);
+
+#endif

@@ -20,6 +20,7 @@ HOSTCC ?= cc
 
 .DELETE_ON_ERROR:
 .SUFFIXES:
+.SECONDARY:
 MAKEFLAGS += --no-builtin-rules
 
 ifeq ($(V),1)
@@ -89,6 +90,7 @@ endif
 TEST_KINDS   := unit gpu hard oracle
 TEST_SOURCES := $(wildcard $(TEST_KINDS:%=tests/%/test_*.c))
 TEST_SUPPORT := $(patsubst %.c,$(TREE)/%.o,$(wildcard tests/support/*.c))
+SUPPORT      := $(TREE)/libsupport.a
 TEST_PROGRAMS := $(TEST_SOURCES:%.c=$(TREE)/%)
 
 ALL_OBJECTS := $(OBJECTS) $(TREE)/wall/main.o $(TEST_SUPPORT) $(TEST_SOURCES:%.c=$(TREE)/%.o) \
@@ -136,7 +138,7 @@ format:
 	$(quiet)clang-format -i $(wildcard $(addsuffix /*.[ch],$(LIBRARY_FOLDERS) tests/* shaders docs))
 
 docs: $(TREE)/write_settings
-	$(quiet)$< > docs/settings.md
+	$(quiet)$< > $(TREE)/settings.md && mv $(TREE)/settings.md docs/settings.md
 
 install: all
 	install -d '$(DESTDIR)$(PREFIX)/bin' '$(DESTDIR)$(PREFIX)/share/gazewall' '$(DESTDIR)$(PREFIX)/share/doc/gazewall'
@@ -172,6 +174,7 @@ endef
 ifneq ($(filter-out clean help format setup,$(GOALS)),)
 $(call keep_text,$(TREE)/flags,$(CC) $(ALL_FLAGS))
 $(call keep_text,$(TREE)/objects,$(sort $(OBJECTS)))
+$(call keep_text,$(TREE)/support,$(sort $(TEST_SUPPORT)))
 $(call keep_text,$(TREE)/embedded,$(EMBEDDED))
 endif
 
@@ -209,7 +212,10 @@ $(TREE)/assemble: $(TREE)/shaders/assemble.o $(ARCHIVE)
 $(TREE)/write_settings: $(TREE)/docs/write_settings.o $(ARCHIVE)
 	$(quiet)$(CC) $(LINK_FLAVOUR) $(LDFLAGS) -o $@ $^ $(LIBRARIES)
 
-$(TREE)/tests/%: $(TREE)/tests/%.o $(TEST_SUPPORT) $(ARCHIVE)
+$(SUPPORT): $(TEST_SUPPORT) $(TREE)/support
+	$(quiet)rm -f $@ && $(AR) rcs $@ $(TEST_SUPPORT)
+
+$(TREE)/tests/%: $(TREE)/tests/%.o $(SUPPORT) $(ARCHIVE)
 	$(say) LINK $@
 	$(quiet)$(CC) $(LINK_FLAVOUR) $(LDFLAGS) -o $@ $^ $(LIBRARIES) -lcmocka $(if $(filter oracle/%,$*),-lembree3)
 

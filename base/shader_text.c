@@ -166,13 +166,13 @@ static gw_code take_include(assembler *work, size_t from, int line, const char *
                        work->out->files[from], line, work->out->files[number]);
     }
     int conditional = work->condition_depth > 0;
-    gw_code code =
-        append_line(work, "#ifndef GW_FILE_%zu\n#define GW_FILE_%zu\n#line 1 %zu\n", number, number, number);
+    gw_code code = append_line(work, "#ifndef GW_FILE_%zu\n#define GW_FILE_%zu\n#line %zu\n", number, number,
+                               number * GW_SHADER_LINES + 1);
     if (!code) {
         code = take_file(work, number, depth + 1);
     }
     work->sources[number].always = !conditional;
-    return code ? code : append_line(work, "#endif\n#line %d %zu\n", line + 1, from);
+    return code ? code : append_line(work, "#endif\n#line %zu\n", from * GW_SHADER_LINES + (size_t)line + 1);
 }
 
 static gw_code take_file(assembler *work, size_t number, int depth) {
@@ -200,6 +200,10 @@ static gw_code take_file(assembler *work, size_t number, int depth) {
             code = code ? code : append(work, "\n", 1);
         }
         text = line_end + (line_end < end);
+        if (!code && line == GW_SHADER_LINES - 1 && text < end) {
+            code =
+                gw_fail(work->error, GW_BAD_INPUT, "%s: more than %d lines", work->out->files[number], line);
+        }
     }
     work->sources[number].open = 0;
     if (!code && work->condition_depth != conditions_before) {
@@ -222,7 +226,7 @@ gw_code gw_shader_text_create(const char *folder, const char *name, const char *
         code = append(&work, defines, strlen(defines));
     }
     if (!code) {
-        code = append_line(&work, "\n#line 1 0\n");
+        code = append_line(&work, "\n#line 1\n");
     }
     if (!code) {
         code = take_file(&work, number, 0);
@@ -246,8 +250,8 @@ void gw_shader_text_finish(gw_shader_text *text) {
     *text = (gw_shader_text){0};
 }
 
-/* File number at the start of a line of the log, or -1; *rest is where the line number begins. */
-static long file_number(const char *line, const char **rest) {
+/* Line number at the start of a line of the log, counted over all files, or 0; *rest is what follows it. */
+static unsigned long message_line(const char *line, const char **rest) {
     static const char *const leads[] = {"ERROR: ", "WARNING: "};
     for (size_t i = 0; i < sizeof leads / sizeof leads[0]; i++) {
         if (strncmp(line, leads[i], strlen(leads[i])) == 0) {
@@ -255,11 +259,16 @@ static long file_number(const char *line, const char **rest) {
         }
     }
     size_t digits = strspn(line, "0123456789");
-    if (digits == 0 || digits > 6 || (line[digits] != ':' && line[digits] != '(')) {
-        return -1;
+    if (digits == 0 || (line[digits] != ':' && line[digits] != '(')) {
+        return 0;
     }
-    *rest = line + digits + 1;
-    return **rest >= '0' && **rest <= '9' ? strtol(line, NULL, 10) : -1;
+    line += digits + 1;
+    digits = strspn(line, "0123456789");
+    if (digits == 0 || digits > 9) {
+        return 0;
+    }
+    *rest = line + digits;
+    return strtoul(line, NULL, 10);
 }
 
 char *gw_shader_text_message(const gw_shader_text *text, const char *log) {
@@ -272,9 +281,10 @@ char *gw_shader_text_message(const gw_shader_text *text, const char *log) {
     while (*log) {
         size_t length = strcspn(log, "\n");
         const char *rest = NULL;
-        long number = file_number(log, &rest);
-        if (number >= 0 && (size_t)number < text->file_count) {
-            fprintf(stream, "%s:%.*s\n", text->files[number], (int)(length - (size_t)(rest - log)), rest);
+        unsigned long line = message_line(log, &rest);
+        if (line > 0 && line / GW_SHADER_LINES < text->file_count) {
+            fprintf(stream, "%s:%lu%.*s\n", text->files[line / GW_SHADER_LINES], line % GW_SHADER_LINES,
+                    (int)(length - (size_t)(rest - log)), rest);
         } else {
             fprintf(stream, "%.*s\n", (int)length, log);
         }

@@ -2,8 +2,9 @@
  *
  * `#include "common/x.glsl"` is resolved against shaders/, whatever file it stands in. A file that was
  * already taken in outside of any #if is not taken in again; inside one it is wrapped in a guard, so that the
- * compiler's preprocessor decides. #line directives carry (line, file number), so that messages can be mapped
- * back with gw_shader_text_message. Any thread. */
+ * compiler's preprocessor decides. #line directives give every file its own range of line numbers - line L of
+ * file k is k * GW_SHADER_LINES + L - because drivers lose the second number of #line;
+ * gw_shader_text_message turns them back into names and lines. Any thread. */
 #ifndef GW_BASE_SHADER_TEXT_H
 #define GW_BASE_SHADER_TEXT_H
 
@@ -11,10 +12,11 @@
 
 #include <stddef.h>
 
+enum { GW_SHADER_LINES = 100000 }; /* no file may have as many lines */
+
 typedef struct gw_shader_text {
     char *text;   /* for the compiler */
-    char **files; /* [file_count] names by the file number of the #line directives:
-                     "shaders/trace/primary.comp" */
+    char **files; /* [file_count] names by file number k: "shaders/trace/primary.comp" */
     size_t file_count;
 } gw_shader_text;
 
@@ -25,8 +27,8 @@ gw_code gw_shader_text_create(const char *folder, const char *name, const char *
                               gw_error *error);
 void gw_shader_text_finish(gw_shader_text *text);
 
-/* A compiler's log with file numbers replaced by file names; knows the forms "N:LINE", "N(LINE)" and "ERROR:
- * N:LINE". free() the result; NULL when memory is out. */
+/* A compiler's log with its line numbers replaced by file name and line; knows the forms "0:LINE", "0(LINE)"
+ * and "ERROR: 0:LINE". free() the result; NULL when memory is out. */
 char *gw_shader_text_message(const gw_shader_text *text, const char *log);
 
 #endif

@@ -35,10 +35,12 @@ char *gw_path_join(const char *folder, const char *name);
 char *gw_path_folder(const char *path);
 /* Points at the part after the last '/'. */
 const char *gw_path_name(const char *path);
-/* 1 when the name ends in the extension, without regard to case: gw_path_has_extension("a.PLY.gz", ".ply.gz"). */
+/* 1 when the name ends in the extension, without regard to case: gw_path_has_extension("a.PLY.gz",
+ * ".ply.gz"). */
 int gw_path_has_extension(const char *path, const char *extension);
 
 /* Expands a gzip stream, at most limit bytes (a bomb is GW_BAD_INPUT, named by `name`). */
-gw_code gw_gunzip(const void *data, size_t size, size_t limit, const char *name, gw_bytes *out, gw_error *error);
+gw_code gw_gunzip(const void *data, size_t size, size_t limit, const char *name, gw_bytes *out,
+                  gw_error *error);
 
 #endif

@@ -1,9 +1,9 @@
-/* The GL device: one OpenGL 4.5 core context without a window (EGL), its limits, programs from the embedded shader
- * library, buffers, and a clock that works on software GL too.
+/* The GL device: one OpenGL 4.5 core context without a window (EGL), its limits, programs from the embedded
+ * shader library, buffers, and a clock that works on software GL too.
  *
- * A device belongs to the thread that created it. GLFW windows share this code's programs and buffers through the same
- * calls (wall/ owns windows). Everything made here must be destroyed before its device. Limits are data: ask
- * gw_gl_limits, never the vendor string. */
+ * A device belongs to the thread that created it. GLFW windows share this code's programs and buffers through
+ * the same calls (wall/ owns windows). Everything made here must be destroyed before its device. Limits are
+ * data: ask gw_gl_limits, never the vendor string. */
 #ifndef GW_BASE_GL_H
 #define GW_BASE_GL_H
 
@@ -22,10 +22,10 @@ typedef struct gw_gl_limits {
     int64_t texture_buffer_texels;                 /* GL_MAX_TEXTURE_BUFFER_SIZE */
     int64_t work_groups[3];                        /* GL_MAX_COMPUTE_WORK_GROUP_COUNT */
     int32_t work_group_invocations, shared_bytes;
-    int32_t storage_blocks, texture_units;         /* in the compute stage */
-    int32_t texture_side, texture_layers;          /* px of a 2D texture; layers of an array */
-    int32_t program_binary_formats;                /* 0 is normal */
-    int32_t software;                              /* 1: llvmpipe, softpipe or another CPU rasteriser */
+    int32_t storage_blocks, texture_units; /* in the compute stage */
+    int32_t texture_side, texture_layers;  /* px of a 2D texture; layers of an array */
+    int32_t program_binary_formats;        /* 0 is normal */
+    int32_t software;                      /* 1: llvmpipe, softpipe or another CPU rasteriser */
 } gw_gl_limits;
 
 typedef struct gw_gl_options {
@@ -40,14 +40,15 @@ void gw_gl_destroy(gw_gl **device); /* accepts NULL and a NULL device */
 const gw_gl_limits *gw_gl_limits_of(const gw_gl *device);
 const gw_log *gw_gl_log(const gw_gl *device);
 
-/* Compute program from shaders/<name> ("trace/primary.comp"). #include "common/x.glsl" is resolved against shaders/,
- * each file once; #line keeps error positions. defines is a text of "#define A 1\n" lines put after the version line
- * (NULL for none). "#version 450 core" is put first by this function. The same (name, defines) is compiled once and
- * shared: programs belong to the device. */
+/* Compute program from shaders/<name> ("trace/primary.comp"). #include "common/x.glsl" is resolved against
+ * shaders/, each file once; #line keeps error positions. defines is a text of "#define A 1\n" lines put after
+ * the version line (NULL for none). "#version 450 core" is put first by this function. The same (name,
+ * defines) is compiled once and shared: programs belong to the device. */
 gw_code gw_gl_program(gw_gl *device, const char *name, const char *defines, GLuint *out, gw_error *error);
 /* The assembled text that gw_gl_program would compile; free() it. */
 gw_code gw_gl_shader_text(gw_gl *device, const char *name, const char *defines, char **out, gw_error *error);
-/* Location of a uniform that must exist and be used; GW_MACHINE names both otherwise. -1 is never returned as OK. */
+/* Location of a uniform that must exist and be used; GW_MACHINE names both otherwise. -1 is never returned as
+ * OK. */
 gw_code gw_gl_uniform(GLuint program, const char *name, GLint *out, gw_error *error);
 
 /* A buffer, by name for messages. size 0 is rounded up to 16 so that it can be bound. */
@@ -58,22 +59,24 @@ typedef struct gw_gl_buffer {
     char name[32];
 } gw_gl_buffer;
 
-/* Checks size against storage_block_bytes and fails with GW_MACHINE "needs N MiB ... limit M MiB" beyond it, unless the
- * buffer is only read through a texture (as_texture != 0: then texels are checked against texture_buffer_texels).
- * as_texture is the internal format (GL_RGBA32UI, GL_R32UI, GL_RG32UI, GL_RGB32UI) or 0 for none. data may be NULL:
- * contents are then zero. */
+/* Checks size against storage_block_bytes and fails with GW_MACHINE "needs N MiB ... limit M MiB" beyond it,
+ * unless the buffer is only read through a texture (as_texture != 0: then texels are checked against
+ * texture_buffer_texels). as_texture is the internal format (GL_RGBA32UI, GL_R32UI, GL_RG32UI, GL_RGB32UI) or
+ * 0 for none. data may be NULL: contents are then zero. */
 gw_code gw_gl_buffer_create(gw_gl *device, const char *name, size_t size, const void *data, GLenum as_texture,
                             gw_gl_buffer *out, gw_error *error);
 void gw_gl_buffer_finish(gw_gl_buffer *buffer); /* accepts an empty one */
-gw_code gw_gl_buffer_write(gw_gl_buffer *buffer, size_t offset, size_t size, const void *data, gw_error *error);
+gw_code gw_gl_buffer_write(gw_gl_buffer *buffer, size_t offset, size_t size, const void *data,
+                           gw_error *error);
 /* Waits for the GPU, then copies. */
-gw_code gw_gl_buffer_read(const gw_gl_buffer *buffer, size_t offset, size_t size, void *data, gw_error *error);
+gw_code gw_gl_buffer_read(const gw_gl_buffer *buffer, size_t offset, size_t size, void *data,
+                          gw_error *error);
 void gw_gl_buffer_bind(const gw_gl_buffer *buffer, GLuint binding);       /* as shader storage */
 void gw_gl_texture_bind(const gw_gl_buffer *buffer, GLuint texture_unit); /* its buffer texture */
 
-/* Dispatches `groups` one-dimensional work groups of `program` in slices no larger than the driver's limit, setting the
- * uniform uint "group_base" (optional in the shader when one slice is enough) before each, with a storage and texture
- * fetch barrier after the last. */
+/* Dispatches `groups` one-dimensional work groups of `program` in slices no larger than the driver's limit,
+ * setting the uniform uint "group_base" (optional in the shader when one slice is enough) before each, with a
+ * storage and texture fetch barrier after the last. */
 gw_code gw_gl_dispatch(gw_gl *device, GLuint program, uint64_t groups, gw_error *error);
 /* Waits until all that was issued is done, by a fence. */
 gw_code gw_gl_finish(gw_gl *device, gw_error *error);

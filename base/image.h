@@ -20,11 +20,11 @@ void gw_image_finish(gw_image *image);
 
 /* Decodes PNG or JPEG by its first bytes; other kinds and broken data are GW_BAD_INPUT naming `name`.
  * Images larger than maximum_pixels are refused before they are decoded. */
-gw_code gw_image_decode(const void *data, size_t size, const char *name, uint64_t maximum_pixels, gw_image *out,
-                        gw_error *error);
+gw_code gw_image_decode(const void *data, size_t size, const char *name, uint64_t maximum_pixels,
+                        gw_image *out, gw_error *error);
 
-/* Opaque RGB PNG (alpha is left out). comment, if not NULL, becomes a tEXt "Comment" that tells how the picture was
- * made. Written through a temporary name. */
+/* Opaque RGB PNG (alpha is left out). comment, if not NULL, becomes a tEXt "Comment" that tells how the
+ * picture was made. Written through a temporary name. */
 gw_code gw_image_write_png(const char *path, const gw_image *image, const char *comment, gw_error *error);
 
 /* Copies the rectangle of source at (0,0) into target at (x,y); parts outside target are cut. */

@@ -12,8 +12,8 @@ typedef struct gw_log {
     void *context;          /* owned by the sink's owner */
     /* One finished line without newline. */
     void (*line)(void *context, gw_log_level level, const char *text);
-    /* Progress of long work: what is done ("building octree"), fraction 0..1. May be NULL. Called at any rate;
-     * the sink decides how often to show it. */
+    /* Progress of long work: what is done ("building octree"), fraction 0..1. May be NULL. Called at any
+     * rate; the sink decides how often to show it. */
     void (*progress)(void *context, const char *what, double fraction);
 } gw_log;
 
@@ -21,7 +21,8 @@ void gw_log_write(const gw_log *log, gw_log_level level, const char *format, ...
     __attribute__((format(printf, 3, 4)));
 void gw_log_progress(const gw_log *log, const char *what, double fraction);
 
-/* "error", "warning", "info", "debug"; gw_log_level_parse returns 0 and leaves *level alone for other words. */
+/* "error", "warning", "info", "debug"; gw_log_level_parse returns 0 and leaves *level alone for other words.
+ */
 const char *gw_log_level_name(gw_log_level level);
 int gw_log_level_parse(const char *word, gw_log_level *level);
 

@@ -1,8 +1,10 @@
-/* The one table of settings: everything that can change a pixel or the octree is one row here, with its unit, range,
- * default, the error it trades and the reference it is measured against. Command line (--set name=value), files,
- * reports, --help and the ledger all read this table; a setting that is not a row does not exist.
+/* The one table of settings: everything that can change a pixel or the octree is one row here, with its unit,
+ * range, default, the error it trades and the reference it is measured against. Command line (--set
+ * name=value), files, reports, --help and the ledger all read this table; a setting that is not a row does
+ * not exist.
  *
- * Adding a row adds the field, the option, the help text, the report entry and the range check. Any thread. */
+ * Adding a row adds the field, the option, the help text, the report entry and the range check. Any thread.
+ */
 #ifndef GW_BASE_SETTINGS_H
 #define GW_BASE_SETTINGS_H
 
@@ -14,6 +16,7 @@
 /* GW_ROW(field, kind, default, minimum, maximum, choices, stage, unit, trades, reference, help)
  * kind: REAL, INTEGER, SWITCH (0 or 1) or CHOICE (index into choices, "a|b|c").
  * stage: BUILD (changes the octree's bytes), FRAME (travels in the frame state). */
+/* clang-format off */
 #define GW_SETTINGS_TABLE(GW_ROW)                                                                                     \
     GW_ROW(octree_depth, INTEGER, 11, 1, 15, "", BUILD, "levels", "voxel size against memory and build time",          \
            "depth 15 or exact triangles (tau 0)", "deepest octree level; the root cube has side 2")                    \
@@ -57,6 +60,7 @@
            "trilinear", "how base-colour textures are read at the ray's footprint")                                    \
     GW_ROW(triangle_precision, CHOICE, 0, 0, 1, "float|double", FRAME, "", "rounding at shared edges against time",    \
            "double", "arithmetic of the watertight triangle test where an edge product is exactly zero")
+/* clang-format on */
 
 typedef struct gw_settings {
 #define GW_FIELD_REAL(field) double field
@@ -72,7 +76,12 @@ typedef struct gw_settings {
 #undef GW_FIELD_CHOICE
 } gw_settings;
 
-typedef enum gw_setting_kind { GW_SETTING_REAL, GW_SETTING_INTEGER, GW_SETTING_SWITCH, GW_SETTING_CHOICE } gw_setting_kind;
+typedef enum gw_setting_kind {
+    GW_SETTING_REAL,
+    GW_SETTING_INTEGER,
+    GW_SETTING_SWITCH,
+    GW_SETTING_CHOICE
+} gw_setting_kind;
 typedef enum gw_setting_stage { GW_SETTING_BUILD, GW_SETTING_FRAME } gw_setting_stage;
 enum { GW_GEOMETRY_HYBRID, GW_GEOMETRY_TRIANGLES, GW_GEOMETRY_VOXELS };
 enum { GW_FILTER_NEAREST, GW_FILTER_BILINEAR, GW_FILTER_TRILINEAR };

@@ -4,8 +4,8 @@
 
 #include <stddef.h>
 
-/* Nearest of names[0..count) by edit distance, or NULL when nothing is close (distance above a third of the word,
- * at least 2). */
+/* Nearest of names[0..count) by edit distance, or NULL when nothing is close (distance above a third of the
+ * word, at least 2). */
 const char *gw_suggest(const char *word, const char *const *names, size_t count);
 
 #endif

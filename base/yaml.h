@@ -1,5 +1,5 @@
-/* YAML files as a tree with line numbers (libyaml), and typed access whose errors name file, line, key, value and what
- * was expected. One thread at a time per document. */
+/* YAML files as a tree with line numbers (libyaml), and typed access whose errors name file, line, key, value
+ * and what was expected. One thread at a time per document. */
 #ifndef GW_BASE_YAML_H
 #define GW_BASE_YAML_H
 
@@ -25,7 +25,7 @@ const gw_yaml_node *gw_yaml_item(const gw_yaml_node *list, size_t index);
 const char *gw_yaml_key(const gw_yaml_node *map, size_t index);
 const gw_yaml_node *gw_yaml_value(const gw_yaml_node *map, size_t index);
 const gw_yaml_node *gw_yaml_find(const gw_yaml_node *map, const char *key); /* NULL when absent */
-const char *gw_yaml_text(const gw_yaml_node *node);                        /* scalar's text, else NULL */
+const char *gw_yaml_text(const gw_yaml_node *node);                         /* scalar's text, else NULL */
 
 /* Checks; each failure is GW_BAD_INPUT "FILE:LINE: key 'k': ...". key is what messages call the node. */
 gw_code gw_yaml_expect(const gw_yaml_node *node, gw_yaml_kind kind, const char *key, gw_error *error);
@@ -37,7 +37,8 @@ gw_code gw_yaml_integer(const gw_yaml_node *node, const char *key, long minimum,
                         gw_error *error);
 gw_code gw_yaml_boolean(const gw_yaml_node *node, const char *key, int *out, gw_error *error);
 /* A list of exactly count finite numbers. */
-gw_code gw_yaml_numbers(const gw_yaml_node *node, const char *key, size_t count, double *out, gw_error *error);
+gw_code gw_yaml_numbers(const gw_yaml_node *node, const char *key, size_t count, double *out,
+                        gw_error *error);
 /* A general error at a node: "FILE:LINE: text". */
 gw_code gw_yaml_fail(const gw_yaml_node *node, gw_error *error, const char *format, ...)
     __attribute__((format(printf, 3, 4)));

@@ -13,6 +13,7 @@ const gw_verb gw_verbs[] = {
     {"sim", "the wall on one machine: one MPI rank per tile, assembled pictures, report", gw_verb_sim},
     {"render", "one picture, one process, no MPI: for scripts and tests", gw_verb_render},
     {"inspect", "what is in a scene, its octree, or this machine's GL device", gw_verb_inspect},
+    {"replay", "what is in a recording of head and gaze trackers", gw_verb_replay},
     {"bench", "measures: build (the octree), peers (the same rays through Embree)", gw_verb_bench},
     {"settings", "the table of settings that --set takes", gw_verb_settings},
     {"rank", NULL, gw_verb_rank},

@@ -63,7 +63,7 @@ run_file() {
     [ "$kind" != unit ] || leaks=1
     mkdir -p "$scratch/$kind-$name"
     start=$(date +%s.%N)
-    GW_TEST_FOLDER=$scratch/$kind-$name ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=$leaks} \
+    GW_TEST_FOLDER=$scratch/$kind-$name ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=$leaks:allocator_may_return_null=1} \
         timeout -k 10 "$(limit_of "$kind")" "$@" >"$log" 2>&1 </dev/null &
     running=$!
     wait "$running"

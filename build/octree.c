@@ -16,8 +16,7 @@ typedef struct component {
 
 enum { COUNTED_EXACTLY = 1 << 24 }; /* integers that a float holds exactly */
 
-static uint32_t find_root(uint32_t *parent, uint32_t v)
-{
+static uint32_t find_root(uint32_t *parent, uint32_t v) {
     while (parent[v] != v) {
         parent[v] = parent[parent[v]];
         v = parent[v];
@@ -26,8 +25,7 @@ static uint32_t find_root(uint32_t *parent, uint32_t v)
 }
 
 /* parent[welded vertex] becomes its component's least vertex. */
-static void join_components(const gw_scene *scene, uint32_t *parent)
-{
+static void join_components(const gw_scene *scene, uint32_t *parent) {
     for (uint32_t v = 0; v < scene->welded_count; ++v)
         parent[v] = v;
     for (uint32_t t = 0; t < scene->triangle_count; ++t)
@@ -41,8 +39,7 @@ static void join_components(const gw_scene *scene, uint32_t *parent)
         }
 }
 
-static void measure_components(const gw_scene *scene, uint32_t *parent, component *components)
-{
+static void measure_components(const gw_scene *scene, uint32_t *parent, component *components) {
     for (uint32_t t = 0; t < scene->triangle_count; ++t) {
         component *c = &components[find_root(parent, scene->welded[scene->triangles[t][0]])];
         for (int k = 0; k < 3; ++k) {
@@ -57,17 +54,15 @@ static void measure_components(const gw_scene *scene, uint32_t *parent, componen
     }
 }
 
-static float longest_side(const component *c)
-{
+static float longest_side(const component *c) {
     float side = 0;
     for (int axis = 0; axis < 3; ++axis)
         side = fmaxf(side, c->high[axis] - c->low[axis]);
     return side;
 }
 
-static void fill_texels(const gw_scene *scene, uint32_t *parent, const component *components, float (*triangles)[3][4],
-                        uint32_t (*topology)[4])
-{
+static void fill_texels(const gw_scene *scene, uint32_t *parent, const component *components,
+                        float (*triangles)[3][4], uint32_t (*topology)[4]) {
     for (uint32_t t = 0; t < scene->triangle_count; ++t) {
         uint32_t root = find_root(parent, scene->welded[scene->triangles[t][0]]);
         uint32_t size = components[root].triangles;
@@ -82,8 +77,7 @@ static void fill_texels(const gw_scene *scene, uint32_t *parent, const component
     }
 }
 
-gw_code gw_octree_upload(gw_octree_builder *builder, gw_error *error)
-{
+gw_code gw_octree_upload(gw_octree_builder *builder, gw_error *error) {
     const gw_scene *scene = builder->scene;
     uint32_t *parent = NULL;
     component *components = NULL;
@@ -91,7 +85,8 @@ gw_code gw_octree_upload(gw_octree_builder *builder, gw_error *error)
     uint32_t(*topology)[4] = NULL;
     gw_code code = gw_allocate((void **)&parent, scene->welded_count, sizeof *parent, "components", error);
     if (code == GW_OK)
-        code = gw_allocate((void **)&components, scene->welded_count, sizeof *components, "components", error);
+        code =
+            gw_allocate((void **)&components, scene->welded_count, sizeof *components, "components", error);
     if (code == GW_OK)
         code = gw_allocate((void **)&triangles, scene->triangle_count, sizeof *triangles, "triangles", error);
     if (code == GW_OK)
@@ -100,12 +95,14 @@ gw_code gw_octree_upload(gw_octree_builder *builder, gw_error *error)
         join_components(scene, parent);
         measure_components(scene, parent, components);
         fill_texels(scene, parent, components, triangles, topology);
-        code = gw_gl_buffer_create(builder->device, "build triangles", (size_t)scene->triangle_count * sizeof *triangles,
-                                   triangles, GL_RGBA32F, &builder->triangles, error);
+        code = gw_gl_buffer_create(builder->device, "build triangles",
+                                   (size_t)scene->triangle_count * sizeof *triangles, triangles, GL_RGBA32F,
+                                   &builder->triangles, error);
     }
     if (code == GW_OK)
-        code = gw_gl_buffer_create(builder->device, "build topology", (size_t)scene->triangle_count * sizeof *topology,
-                                   topology, GL_RGBA32UI, &builder->topology, error);
+        code = gw_gl_buffer_create(builder->device, "build topology",
+                                   (size_t)scene->triangle_count * sizeof *topology, topology, GL_RGBA32UI,
+                                   &builder->topology, error);
     free(parent);
     free(components);
     free(triangles);
@@ -113,8 +110,7 @@ gw_code gw_octree_upload(gw_octree_builder *builder, gw_error *error)
     return code;
 }
 
-static gw_code count_arrays(const gw_octree_builder *builder, gw_octree *octree, gw_error *error)
-{
+static gw_code count_arrays(const gw_octree_builder *builder, gw_octree *octree, gw_error *error) {
     const gw_gl_limits *limits = gw_gl_limits_of(builder->device);
     uint64_t nodes = 0, references = 1; /* entry 0 is reserved */
     for (uint32_t l = 0; l <= builder->depth; ++l) {
@@ -126,10 +122,13 @@ static gw_code count_arrays(const gw_octree_builder *builder, gw_octree *octree,
     }
     for (uint32_t l = builder->depth + 1; l < GW_OCTREE_MAXIMUM_DEPTH + 2; ++l)
         octree->level_begin[l] = (uint32_t)nodes;
-    if (nodes > (uint64_t)limits->texture_buffer_texels || references > (uint64_t)limits->texture_buffer_texels)
+    if (nodes > (uint64_t)limits->texture_buffer_texels ||
+        references > (uint64_t)limits->texture_buffer_texels)
         return gw_fail(error, GW_MACHINE,
-                       "the octree needs %" PRIu64 " nodes and %" PRIu64 " references, this driver reads at most %" PRId64
-                       " of each; lower octree_depth (now %" PRIu32 ") or raise leaf_triangles (now %" PRId32 ")",
+                       "the octree needs %" PRIu64 " nodes and %" PRIu64
+                       " references, this driver reads at most %" PRId64
+                       " of each; lower octree_depth (now %" PRIu32 ") or raise leaf_triangles (now %" PRId32
+                       ")",
                        nodes, references, limits->texture_buffer_texels, builder->depth,
                        builder->settings->leaf_triangles);
     octree->node_count = (uint32_t)nodes;
@@ -137,15 +136,15 @@ static gw_code count_arrays(const gw_octree_builder *builder, gw_octree *octree,
     return GW_OK;
 }
 
-gw_code gw_octree_assemble(const gw_octree_builder *builder, gw_octree *octree, gw_error *error)
-{
+gw_code gw_octree_assemble(const gw_octree_builder *builder, gw_octree *octree, gw_error *error) {
     uint32_t reference_base = 1, run = 0;
     gw_code code = count_arrays(builder, octree, error);
     if (code == GW_OK)
-        code = gw_allocate((void **)&octree->nodes, octree->node_count, sizeof *octree->nodes, "octree nodes", error);
-    if (code == GW_OK)
-        code = gw_allocate((void **)&octree->payloads, octree->node_count, sizeof *octree->payloads, "octree payloads",
+        code = gw_allocate((void **)&octree->nodes, octree->node_count, sizeof *octree->nodes, "octree nodes",
                            error);
+    if (code == GW_OK)
+        code = gw_allocate((void **)&octree->payloads, octree->node_count, sizeof *octree->payloads,
+                           "octree payloads", error);
     if (code == GW_OK)
         code = gw_allocate((void **)&octree->references, octree->reference_count, sizeof *octree->references,
                            "octree references", error);
@@ -179,8 +178,7 @@ gw_code gw_octree_assemble(const gw_octree_builder *builder, gw_octree *octree, 
     return GW_OK;
 }
 
-static void finish_builder(gw_octree_builder *builder)
-{
+static void finish_builder(gw_octree_builder *builder) {
     for (uint32_t l = 0; l <= GW_OCTREE_MAXIMUM_DEPTH; ++l) {
         free(builder->levels[l].nodes);
         free(builder->levels[l].cells);
@@ -190,8 +188,7 @@ static void finish_builder(gw_octree_builder *builder)
     gw_gl_buffer_finish(&builder->topology);
 }
 
-static void hash_octree(gw_octree *octree)
-{
+static void hash_octree(gw_octree *octree) {
     gw_hash hash = {0, 0};
     hash = gw_hash_bytes(hash, &octree->depth, sizeof octree->depth);
     hash = gw_hash_bytes(hash, octree->nodes, (size_t)gw_octree_node_bytes(octree));
@@ -200,13 +197,11 @@ static void hash_octree(gw_octree *octree)
     octree->hash = hash;
 }
 
-static double milliseconds_since(int64_t start)
-{
+static double milliseconds_since(int64_t start) {
     return (double)(gw_now_ns() - start) * 1e-6;
 }
 
-static gw_code run_stages(gw_octree_builder *builder, gw_octree *octree, gw_error *error)
-{
+static gw_code run_stages(gw_octree_builder *builder, gw_octree *octree, gw_error *error) {
     int64_t start = gw_now_ns();
     double refine_ms, assemble_ms;
     gw_code code = gw_octree_upload(builder, error);
@@ -228,10 +223,10 @@ static gw_code run_stages(gw_octree_builder *builder, gw_octree *octree, gw_erro
     return code;
 }
 
-gw_code gw_octree_build(gw_gl *device, const gw_scene *scene, const gw_octree_options *options, gw_octree **out,
-                        gw_error *error)
-{
-    gw_octree_builder builder = {.device = device, .scene = scene, .settings = options->settings, .log = options->log};
+gw_code gw_octree_build(gw_gl *device, const gw_scene *scene, const gw_octree_options *options,
+                        gw_octree **out, gw_error *error) {
+    gw_octree_builder builder = {
+        .device = device, .scene = scene, .settings = options->settings, .log = options->log};
     gw_octree *octree = NULL;
     uint64_t driver_limit = (uint64_t)gw_gl_limits_of(device)->storage_block_bytes / 8;
     *out = NULL;
@@ -253,8 +248,7 @@ gw_code gw_octree_build(gw_gl *device, const gw_scene *scene, const gw_octree_op
     return GW_OK;
 }
 
-void gw_octree_destroy(gw_octree **octree)
-{
+void gw_octree_destroy(gw_octree **octree) {
     if (!octree || !*octree)
         return;
     if (!(*octree)->borrowed) {
@@ -266,17 +260,14 @@ void gw_octree_destroy(gw_octree **octree)
     *octree = NULL;
 }
 
-uint64_t gw_octree_node_bytes(const gw_octree *octree)
-{
+uint64_t gw_octree_node_bytes(const gw_octree *octree) {
     return (uint64_t)octree->node_count * sizeof *octree->nodes;
 }
 
-uint64_t gw_octree_payload_bytes(const gw_octree *octree)
-{
+uint64_t gw_octree_payload_bytes(const gw_octree *octree) {
     return (uint64_t)octree->node_count * sizeof *octree->payloads;
 }
 
-uint64_t gw_octree_reference_bytes(const gw_octree *octree)
-{
+uint64_t gw_octree_reference_bytes(const gw_octree *octree) {
     return (uint64_t)octree->reference_count * sizeof *octree->references;
 }

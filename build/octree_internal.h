@@ -1,4 +1,5 @@
-/* What the stages of the octree build share; private to build/octree*.c. One thread, the one that owns the GL device. */
+/* What the stages of the octree build share; private to build/octree*.c. One thread, the one that owns the GL
+ * device. */
 #ifndef GW_BUILD_OCTREE_INTERNAL_H
 #define GW_BUILD_OCTREE_INTERNAL_H
 
@@ -7,7 +8,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* One level while it grows: parts are refined depth first in Morton order, so appending keeps every level in order. */
+/* One level while it grows: parts are refined depth first in Morton order, so appending keeps every level in
+ * order. */
 typedef struct gw_octree_level {
     size_t node_count, node_capacity, cell_capacity;
     gw_node *nodes;       /* link: child or reference index relative to its level until assembly */
@@ -22,8 +24,8 @@ typedef struct gw_octree_builder {
     const gw_settings *settings;
     const gw_log *log;
     uint32_t depth;
-    uint64_t pair_limit; /* pairs in one buffer */
-    uint64_t cell_limit; /* cells refined at once */
+    uint64_t pair_limit;    /* pairs in one buffer */
+    uint64_t cell_limit;    /* cells refined at once */
     gw_gl_buffer triangles; /* RGBA32F, 3 texels: vertices; w: component's longest side, its triangles, 0 */
     gw_gl_buffer topology;  /* RGBA32UI: three welded vertices, component */
     gw_octree_level levels[GW_OCTREE_MAXIMUM_DEPTH + 1];

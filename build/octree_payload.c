@@ -5,11 +5,18 @@
 #include "base/memory.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { GROUP = 64, LIST_LIMIT = 256, SUM_BYTES = 48, SINGLE = (int)0x80000000u };
-enum { LOCATION_JOB_COUNT = 1, LOCATION_NODE_FIRST, LOCATION_LEVEL, LOCATION_LIST_FIRST, LOCATION_LIST_LIMIT };
+enum {
+    LOCATION_JOB_COUNT = 1,
+    LOCATION_NODE_FIRST,
+    LOCATION_LEVEL,
+    LOCATION_LIST_FIRST,
+    LOCATION_LIST_LIMIT
+};
 
 /* Everything that the leaf kernel reads, and the sums of two levels. */
 typedef struct payload_stage {
@@ -21,22 +28,21 @@ typedef struct payload_stage {
     uint32_t window_nodes; /* nodes whose sums fit in one storage block */
 } payload_stage;
 
-static void finish_stage(payload_stage *stage)
-{
-    gw_gl_buffer *all[] = {&stage->references, &stage->faces, &stage->vertices,   &stage->materials, &stage->chains,
-                           &stage->texels,     &stage->sums,  &stage->thresholds, &stage->below};
+static void finish_stage(payload_stage *stage) {
+    gw_gl_buffer *all[] = {&stage->references, &stage->faces,      &stage->vertices,
+                           &stage->materials,  &stage->chains,     &stage->texels,
+                           &stage->sums,       &stage->thresholds, &stage->below};
     for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
         gw_gl_buffer_finish(all[i]);
 }
 
-static uint32_t pack_color(const uint8_t *rgba)
-{
-    return rgba ? (uint32_t)rgba[0] | (uint32_t)rgba[1] << 8 | (uint32_t)rgba[2] << 16 | (uint32_t)rgba[3] << 24
+static uint32_t pack_color(const uint8_t *rgba) {
+    return rgba ? (uint32_t)rgba[0] | (uint32_t)rgba[1] << 8 | (uint32_t)rgba[2] << 16 |
+                      (uint32_t)rgba[3] << 24
                 : 0xffffffffu;
 }
 
-static gw_code upload_faces(payload_stage *stage, gw_error *error)
-{
+static gw_code upload_faces(payload_stage *stage, gw_error *error) {
     const gw_scene *scene = stage->builder->scene;
     uint32_t(*faces)[4] = NULL;
     uint32_t(*vertices)[2][4] = NULL;
@@ -53,23 +59,25 @@ static gw_code upload_faces(payload_stage *stage, gw_error *error)
         memcpy(vertices[v][1], scene->texcoords + (size_t)v * 2, 2 * sizeof(float));
     }
     if (code == GW_OK)
-        code = gw_gl_buffer_create(stage->builder->device, "build faces", (size_t)scene->triangle_count * sizeof *faces,
-                                   faces, GL_RGBA32UI, &stage->faces, error);
+        code = gw_gl_buffer_create(stage->builder->device, "build faces",
+                                   (size_t)scene->triangle_count * sizeof *faces, faces, GL_RGBA32UI,
+                                   &stage->faces, error);
     if (code == GW_OK)
-        code = gw_gl_buffer_create(stage->builder->device, "build vertices", (size_t)scene->vertex_count * sizeof *vertices,
-                                   vertices, GL_RGBA32UI, &stage->vertices, error);
+        code = gw_gl_buffer_create(stage->builder->device, "build vertices",
+                                   (size_t)scene->vertex_count * sizeof *vertices, vertices, GL_RGBA32UI,
+                                   &stage->vertices, error);
     free(faces);
     free(vertices);
     return code;
 }
 
-static gw_code upload_materials(payload_stage *stage, gw_error *error)
-{
+static gw_code upload_materials(payload_stage *stage, gw_error *error) {
     const gw_scene *scene = stage->builder->scene;
     gw_texture_chains chains = {0};
     float(*materials)[2][4] = NULL;
     uint32_t(*links)[4] = NULL;
-    gw_code code = gw_texture_chains_init(scene, (uint32_t)stage->builder->settings->payload_texture_side, &chains, error);
+    gw_code code = gw_texture_chains_init(scene, (uint32_t)stage->builder->settings->payload_texture_side,
+                                          &chains, error);
     if (code == GW_OK)
         code = gw_allocate((void **)&materials, scene->material_count, sizeof *materials, "materials", error);
     if (code == GW_OK)
@@ -91,14 +99,14 @@ static gw_code upload_materials(payload_stage *stage, gw_error *error)
     }
     gw_gl *device = stage->builder->device;
     if (code == GW_OK)
-        code = gw_gl_buffer_create(device, "build materials", scene->material_count * sizeof *materials, materials,
-                                   GL_RGBA32F, &stage->materials, error);
+        code = gw_gl_buffer_create(device, "build materials", scene->material_count * sizeof *materials,
+                                   materials, GL_RGBA32F, &stage->materials, error);
     if (code == GW_OK)
-        code = gw_gl_buffer_create(device, "texture links", scene->material_count * sizeof *links, links, GL_RGBA32UI,
-                                   &stage->chains, error);
+        code = gw_gl_buffer_create(device, "texture links", scene->material_count * sizeof *links, links,
+                                   GL_RGBA32UI, &stage->chains, error);
     if (code == GW_OK)
-        code = gw_gl_buffer_create(device, "texture chains", chains.texel_count * sizeof *chains.texels, chains.texels,
-                                   GL_RG32UI, &stage->texels, error);
+        code = gw_gl_buffer_create(device, "texture chains", chains.texel_count * sizeof *chains.texels,
+                                   chains.texels, GL_RG32UI, &stage->texels, error);
     gw_texture_chains_finish(&chains);
     free(materials);
     free(links);
@@ -106,8 +114,7 @@ static gw_code upload_materials(payload_stage *stage, gw_error *error)
 }
 
 /* thresholds[i]: least linear value whose sRGB code of 10 bits is i. */
-static gw_code upload_thresholds(payload_stage *stage, gw_error *error)
-{
+static gw_code upload_thresholds(payload_stage *stage, gw_error *error) {
     float thresholds[1024];
     thresholds[0] = 0;
     for (int i = 1; i < 1024; ++i) {
@@ -118,13 +125,25 @@ static gw_code upload_thresholds(payload_stage *stage, gw_error *error)
                                &stage->thresholds, error);
 }
 
-static gw_code start_stage(payload_stage *stage, gw_error *error)
-{
+/* The leaf kernel reads only what the scene has. */
+static void leaf_defines(const gw_scene *scene, char *text, size_t size) {
+    int normals = 0, textures = 0;
+    for (size_t i = 0; !normals && i < (size_t)scene->vertex_count * 3; ++i)
+        normals = scene->normals[i] != 0;
+    for (uint32_t m = 0; !textures && m < scene->material_count; ++m)
+        textures = scene->materials[m].base_color_texture >= 0;
+    snprintf(text, size, "%s%s%s", normals ? "#define GW_NORMALS 1\n" : "",
+             textures ? "#define GW_TEXTURES 1\n" : "", scene->colors ? "#define GW_COLORS 1\n" : "");
+}
+
+static gw_code start_stage(payload_stage *stage, gw_error *error) {
     gw_gl *device = stage->builder->device;
     uint64_t nodes = (uint64_t)gw_gl_limits_of(device)->storage_block_bytes / SUM_BYTES;
     /* A window begins at a multiple of 16 nodes, 768 bytes: every driver's offset alignment divides that. */
     stage->window_nodes = (uint32_t)(nodes < (1u << 30) ? nodes : 1u << 30) & ~15u;
-    gw_code code = gw_gl_program(device, "build/payload_leaf.comp", NULL, &stage->leaf_program, error);
+    char defines[128];
+    leaf_defines(stage->builder->scene, defines, sizeof defines);
+    gw_code code = gw_gl_program(device, "build/payload_leaf.comp", defines, &stage->leaf_program, error);
     if (code == GW_OK)
         code = gw_gl_program(device, "build/payload_inner.comp", NULL, &stage->inner_program, error);
     if (code == GW_OK)
@@ -140,20 +159,18 @@ static gw_code start_stage(payload_stage *stage, gw_error *error)
 }
 
 /* The sums of nodes [first, first + count) of the level as storage binding 0. */
-static void bind_sums(const payload_stage *stage, uint32_t first, uint32_t count)
-{
+static void bind_sums(const payload_stage *stage, uint32_t first, uint32_t count) {
     glBindBufferRange(GL_SHADER_STORAGE_BUFFER, 0, stage->sums.id, (GLintptr)((size_t)first * SUM_BYTES),
                       (GLsizeiptr)((size_t)count * SUM_BYTES));
 }
 
 static gw_code run_jobs(payload_stage *stage, GLuint program, const uint32_t (*jobs)[4], uint32_t job_count,
-                        uint32_t node_first, gw_error *error)
-{
+                        uint32_t node_first, gw_error *error) {
     gw_gl_buffer buffer = {0};
     if (job_count == 0)
         return GW_OK;
-    gw_code code = gw_gl_buffer_create(stage->builder->device, "payload jobs", (size_t)job_count * 16, jobs, 0, &buffer,
-                                       error);
+    gw_code code = gw_gl_buffer_create(stage->builder->device, "payload jobs", (size_t)job_count * 16, jobs,
+                                       0, &buffer, error);
     if (code == GW_OK) {
         glProgramUniform1ui(program, LOCATION_JOB_COUNT, job_count);
         glProgramUniform1ui(program, LOCATION_NODE_FIRST, node_first);
@@ -164,8 +181,7 @@ static gw_code run_jobs(payload_stage *stage, GLuint program, const uint32_t (*j
     return code;
 }
 
-static uint32_t list_length(const gw_octree *octree, const gw_node *node)
-{
+static uint32_t list_length(const gw_octree *octree, const gw_node *node) {
     uint32_t length = 1;
     if (GW_NODE_KIND(node->bits) == GW_LEAF_SINGLE)
         return 1;
@@ -174,11 +190,10 @@ static uint32_t list_length(const gw_octree *octree, const gw_node *node)
     return length;
 }
 
-/* Leaves of the window, list entries [pass * LIST_LIMIT, ...): one invocation may only loop so often. Returns the jobs in
- * `jobs` and sets *more when a longer list is left. */
-static uint32_t leaf_jobs(const payload_stage *stage, uint32_t level, uint32_t first, uint32_t count, uint32_t pass,
-                          uint32_t (*jobs)[4], int *more)
-{
+/* Leaves of the window, list entries [pass * LIST_LIMIT, ...): one invocation may only loop so often. Returns
+ * the jobs in `jobs` and sets *more when a longer list is left. */
+static uint32_t leaf_jobs(const payload_stage *stage, uint32_t level, uint32_t first, uint32_t count,
+                          uint32_t pass, uint32_t (*jobs)[4], int *more) {
     const gw_octree *octree = stage->octree;
     uint32_t jobs_made = 0;
     *more = 0;
@@ -201,11 +216,11 @@ static uint32_t leaf_jobs(const payload_stage *stage, uint32_t level, uint32_t f
     return jobs_made;
 }
 
-static gw_code sum_leaves(payload_stage *stage, uint32_t level, uint32_t first, uint32_t count, uint32_t (*jobs)[4],
-                          gw_error *error)
-{
-    const gw_gl_buffer *textures[] = {&stage->builder->triangles, &stage->references, &stage->faces, &stage->vertices,
-                                      &stage->materials,          &stage->chains,     &stage->texels};
+static gw_code sum_leaves(payload_stage *stage, uint32_t level, uint32_t first, uint32_t count,
+                          uint32_t (*jobs)[4], gw_error *error) {
+    const gw_gl_buffer *textures[] = {
+        &stage->builder->triangles, &stage->references, &stage->faces, &stage->vertices,
+        &stage->materials,          &stage->chains,     &stage->texels};
     gw_code code = GW_OK;
     int more = 1;
     for (GLuint unit = 0; unit < sizeof textures / sizeof *textures; ++unit)
@@ -220,9 +235,8 @@ static gw_code sum_leaves(payload_stage *stage, uint32_t level, uint32_t first, 
     return code;
 }
 
-static gw_code sum_inner(payload_stage *stage, uint32_t level, uint32_t first, uint32_t count, uint32_t (*jobs)[4],
-                         gw_error *error)
-{
+static gw_code sum_inner(payload_stage *stage, uint32_t level, uint32_t first, uint32_t count,
+                         uint32_t (*jobs)[4], gw_error *error) {
     const gw_octree *octree = stage->octree;
     uint32_t job_count = 0;
     for (uint32_t i = first; i < first + count; ++i) {
@@ -240,35 +254,35 @@ static gw_code sum_inner(payload_stage *stage, uint32_t level, uint32_t first, u
     return run_jobs(stage, stage->inner_program, (const uint32_t(*)[4])jobs, job_count, first, error);
 }
 
-static gw_code encode(payload_stage *stage, uint32_t level, uint32_t first, uint32_t count, gw_error *error)
-{
+static gw_code encode(payload_stage *stage, uint32_t level, uint32_t first, uint32_t count, gw_error *error) {
     gw_gl_buffer words = {0};
     size_t bytes = (size_t)count * sizeof(gw_payload);
-    gw_code code = gw_gl_buffer_create(stage->builder->device, "payload words", bytes, NULL, 0, &words, error);
+    gw_code code =
+        gw_gl_buffer_create(stage->builder->device, "payload words", bytes, NULL, 0, &words, error);
     if (code == GW_OK) {
         glProgramUniform1ui(stage->encode_program, LOCATION_JOB_COUNT, count);
         gw_gl_buffer_bind(&stage->thresholds, 1);
         gw_gl_buffer_bind(&words, 2);
-        code = gw_gl_dispatch(stage->builder->device, stage->encode_program, (count + GROUP - 1) / GROUP, error);
+        code =
+            gw_gl_dispatch(stage->builder->device, stage->encode_program, (count + GROUP - 1) / GROUP, error);
     }
     if (code == GW_OK)
-        code = gw_gl_buffer_read(&words, 0, bytes, stage->octree->payloads + stage->octree->level_begin[level] + first,
-                                 error);
+        code = gw_gl_buffer_read(&words, 0, bytes,
+                                 stage->octree->payloads + stage->octree->level_begin[level] + first, error);
     gw_gl_buffer_finish(&words);
     return code;
 }
 
 /* All nodes of a level, window by window; stage->below holds the sums of the level below. */
-static gw_code sum_level(payload_stage *stage, uint32_t level, gw_error *error)
-{
+static gw_code sum_level(payload_stage *stage, uint32_t level, gw_error *error) {
     gw_octree *octree = stage->octree;
     uint32_t nodes = octree->level_begin[level + 1] - octree->level_begin[level];
     uint32_t(*jobs)[4] = NULL;
-    gw_code code = gw_gl_buffer_create(stage->builder->device, "payload sums", (size_t)nodes * SUM_BYTES, NULL, GL_RGBA32F,
-                                       &stage->sums, error);
+    gw_code code = gw_gl_buffer_create(stage->builder->device, "payload sums", (size_t)nodes * SUM_BYTES,
+                                       NULL, GL_RGBA32F, &stage->sums, error);
     if (code == GW_OK)
-        code = gw_allocate((void **)&jobs, nodes < stage->window_nodes ? nodes : stage->window_nodes, sizeof *jobs,
-                           "payload jobs", error);
+        code = gw_allocate((void **)&jobs, nodes < stage->window_nodes ? nodes : stage->window_nodes,
+                           sizeof *jobs, "payload jobs", error);
     for (uint32_t first = 0; code == GW_OK && first < nodes; first += stage->window_nodes) {
         uint32_t count = nodes - first < stage->window_nodes ? nodes - first : stage->window_nodes;
         int64_t start = gw_now_ns();
@@ -291,12 +305,12 @@ static gw_code sum_level(payload_stage *stage, uint32_t level, gw_error *error)
     return code;
 }
 
-gw_code gw_octree_payload(gw_octree_builder *builder, gw_octree *octree, gw_error *error)
-{
+gw_code gw_octree_payload(gw_octree_builder *builder, gw_octree *octree, gw_error *error) {
     payload_stage stage = {.builder = builder, .octree = octree};
     gw_code code = start_stage(&stage, error);
     for (uint32_t level = octree->statistics.deepest + 1; code == GW_OK && level-- > 0;) {
-        gw_log_progress(builder->log, "averaging voxels", 1.0 - (double)level / (octree->statistics.deepest + 1));
+        gw_log_progress(builder->log, "averaging voxels",
+                        1.0 - (double)level / (octree->statistics.deepest + 1));
         code = sum_level(&stage, level, error);
     }
     finish_stage(&stage);

@@ -14,13 +14,28 @@ enum { EXPECTED_GROWTH = 3 };
 /* Bytes of the widest per-cell buffer: eight slots of a uvec4. */
 enum { BYTES_PER_CELL = 128 };
 
-enum { LOCATION_PAIR_FIRST = 1, LOCATION_PAIR_COUNT, LOCATION_CELL_FIRST, LOCATION_CELL_COUNT, LOCATION_LEVEL,
-       LOCATION_OUT_COUNT, LOCATION_STAGE };
+enum {
+    LOCATION_PAIR_FIRST = 1,
+    LOCATION_PAIR_COUNT,
+    LOCATION_CELL_FIRST,
+    LOCATION_CELL_COUNT,
+    LOCATION_LEVEL,
+    LOCATION_OUT_COUNT,
+    LOCATION_STAGE
+};
 
-typedef enum stage { STAGE_MASK, STAGE_PREFIX, STAGE_SCATTER, STAGE_CLASSIFY, STAGE_EMIT, STAGE_MOVE, STAGE_COUNT } stage;
-static const char *const stage_names[STAGE_COUNT] = {"build/refine_mask.comp",    "build/refine_prefix.comp",
-                                                     "build/refine_scatter.comp", "build/refine_classify.comp",
-                                                     "build/refine_emit.comp",    "build/refine_move.comp"};
+typedef enum stage {
+    STAGE_MASK,
+    STAGE_PREFIX,
+    STAGE_SCATTER,
+    STAGE_CLASSIFY,
+    STAGE_EMIT,
+    STAGE_MOVE,
+    STAGE_COUNT
+} stage;
+static const char *const stage_names[STAGE_COUNT] = {
+    "build/refine_mask.comp",     "build/refine_prefix.comp", "build/refine_scatter.comp",
+    "build/refine_classify.comp", "build/refine_emit.comp",   "build/refine_move.comp"};
 
 /* Cells of one level that are to be refined, with their pairs, on the GPU. */
 typedef struct part {
@@ -36,38 +51,34 @@ typedef struct window {
 
 /* Scratch buffers of one window. */
 typedef struct scratch {
-    gw_gl_buffer masks, thread_bases, block_sums, block_bases, prefixes, pairs_out, classes, slot_bases, slot_sums,
-        children, parents, targets, references;
+    gw_gl_buffer masks, thread_bases, block_sums, block_bases, prefixes, pairs_out, classes, slot_bases,
+        slot_sums, children, parents, targets, references;
 } scratch;
 
 static gw_code refine_part(gw_octree_builder *builder, const part *parent, gw_error *error);
 
-static void finish_part(part *p)
-{
+static void finish_part(part *p) {
     gw_gl_buffer_finish(&p->cells);
     gw_gl_buffer_finish(&p->pairs);
     free(p->node_of);
     p->node_of = NULL;
 }
 
-static void finish_scratch(scratch *s)
-{
-    gw_gl_buffer *all[] = {&s->masks,      &s->thread_bases, &s->block_sums, &s->block_bases, &s->prefixes,
-                           &s->pairs_out,  &s->classes,      &s->slot_bases, &s->slot_sums,   &s->children,
-                           &s->parents,    &s->targets,      &s->references};
+static void finish_scratch(scratch *s) {
+    gw_gl_buffer *all[] = {&s->masks,     &s->thread_bases, &s->block_sums, &s->block_bases, &s->prefixes,
+                           &s->pairs_out, &s->classes,      &s->slot_bases, &s->slot_sums,   &s->children,
+                           &s->parents,   &s->targets,      &s->references};
     for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
         gw_gl_buffer_finish(all[i]);
 }
 
-static uint32_t blocks_of(uint32_t count, uint32_t block)
-{
+static uint32_t blocks_of(uint32_t count, uint32_t block) {
     return count / block + (count % block != 0);
 }
 
 /* Program of a stage with the window's numbers in its uniforms. */
 static gw_code stage_program(gw_octree_builder *builder, stage which, uint32_t level, const window *w,
-                             uint32_t out_count, GLuint *program, gw_error *error)
-{
+                             uint32_t out_count, GLuint *program, gw_error *error) {
     gw_code code = gw_gl_program(builder->device, stage_names[which], NULL, program, error);
     if (code != GW_OK)
         return code;
@@ -82,9 +93,8 @@ static gw_code stage_program(gw_octree_builder *builder, stage which, uint32_t l
 }
 
 /* Counts the children of every pair; totals[k] pairs touch child k. */
-static gw_code count_children(gw_octree_builder *builder, const part *p, const window *w, scratch *s, uint64_t totals[8],
-                              gw_error *error)
-{
+static gw_code count_children(gw_octree_builder *builder, const part *p, const window *w, scratch *s,
+                              uint64_t totals[8], gw_error *error) {
     GLuint program;
     uint32_t blocks = blocks_of(w->pair_count, PAIRS_PER_BLOCK);
     uint32_t threads = blocks_of(w->pair_count, PAIRS_PER_THREAD);
@@ -94,7 +104,8 @@ static gw_code count_children(gw_octree_builder *builder, const part *p, const w
     if (code == GW_OK)
         code = gw_gl_buffer_create(device, "child masks", (size_t)threads * 8, NULL, 0, &s->masks, error);
     if (code == GW_OK)
-        code = gw_gl_buffer_create(device, "pair sums", (size_t)threads * 16, NULL, 0, &s->thread_bases, error);
+        code =
+            gw_gl_buffer_create(device, "pair sums", (size_t)threads * 16, NULL, 0, &s->thread_bases, error);
     if (code == GW_OK)
         code = gw_gl_buffer_create(device, "block sums", (size_t)blocks * 16, NULL, 0, &s->block_sums, error);
     if (code != GW_OK)
@@ -116,11 +127,13 @@ static gw_code count_children(gw_octree_builder *builder, const part *p, const w
     for (uint32_t block = 0; code == GW_OK && block < blocks; ++block)
         for (uint32_t k = 0; k < 8; ++k) {
             uint32_t word = sums[(size_t)block * 4 + k / 2];
-            bases[(size_t)block * 8 + k] = (uint32_t)totals[k]; /* a total beyond 32 bits is refused by the caller */
+            bases[(size_t)block * 8 + k] =
+                (uint32_t)totals[k]; /* a total beyond 32 bits is refused by the caller */
             totals[k] += k % 2 ? word >> 16 : word & 0xffffu;
         }
     if (code == GW_OK)
-        code = gw_gl_buffer_create(device, "block bases", (size_t)blocks * 32, bases, 0, &s->block_bases, error);
+        code =
+            gw_gl_buffer_create(device, "block bases", (size_t)blocks * 32, bases, 0, &s->block_bases, error);
     free(sums);
     free(bases);
     return code;
@@ -128,16 +141,16 @@ static gw_code count_children(gw_octree_builder *builder, const part *p, const w
 
 /* Builds the lists of all child slots in s->pairs_out. */
 static gw_code scatter_pairs(gw_octree_builder *builder, const part *p, const window *w, scratch *s,
-                             const uint64_t totals[8], uint32_t out_count, gw_error *error)
-{
+                             const uint64_t totals[8], uint32_t out_count, gw_error *error) {
     GLuint program;
     gw_gl *device = builder->device;
     uint32_t blocks = blocks_of(w->pair_count, PAIRS_PER_BLOCK);
     uint32_t last[8];
-    gw_code code = gw_gl_buffer_create(device, "cell prefixes", ((size_t)w->cell_count + 1) * 32, NULL, 0, &s->prefixes,
-                                       error);
+    gw_code code = gw_gl_buffer_create(device, "cell prefixes", ((size_t)w->cell_count + 1) * 32, NULL, 0,
+                                       &s->prefixes, error);
     if (code == GW_OK)
-        code = gw_gl_buffer_create(device, "child pairs", (size_t)out_count * 8, NULL, 0, &s->pairs_out, error);
+        code =
+            gw_gl_buffer_create(device, "child pairs", (size_t)out_count * 8, NULL, 0, &s->pairs_out, error);
     if (code != GW_OK)
         return code;
     for (uint32_t k = 0; k < 8; ++k)
@@ -159,9 +172,8 @@ static gw_code scatter_pairs(gw_octree_builder *builder, const part *p, const wi
 }
 
 /* Decides what each slot becomes. totals: children, inner cells, their pairs, references. */
-static gw_code classify_slots(gw_octree_builder *builder, const part *p, const window *w, scratch *s, uint32_t totals[4],
-                              gw_error *error)
-{
+static gw_code classify_slots(gw_octree_builder *builder, const part *p, const window *w, scratch *s,
+                              uint32_t totals[4], gw_error *error) {
     GLuint program;
     gw_gl *device = builder->device;
     const gw_settings *settings = builder->settings;
@@ -206,21 +218,23 @@ static gw_code classify_slots(gw_octree_builder *builder, const part *p, const w
 
 /* Nodes, next cells, next pairs and references from the classes. */
 static gw_code emit_children(gw_octree_builder *builder, const part *p, const window *w, scratch *s,
-                             const uint32_t totals[4], uint32_t out_count, part *next, gw_error *error)
-{
+                             const uint32_t totals[4], uint32_t out_count, part *next, gw_error *error) {
     GLuint program;
     gw_gl *device = builder->device;
     const gw_octree_level *level = &builder->levels[p->level + 1];
     next->level = p->level + 1;
     next->cell_count = totals[1];
     next->pair_count = totals[2];
-    gw_code code = gw_gl_buffer_create(device, "children", (size_t)totals[0] * 16, NULL, 0, &s->children, error);
+    gw_code code =
+        gw_gl_buffer_create(device, "children", (size_t)totals[0] * 16, NULL, 0, &s->children, error);
     if (code == GW_OK)
         code = gw_gl_buffer_create(device, "parents", (size_t)w->cell_count * 8, NULL, 0, &s->parents, error);
     if (code == GW_OK)
-        code = gw_gl_buffer_create(device, "targets", (size_t)w->cell_count * 64, NULL, 0, &s->targets, error);
+        code =
+            gw_gl_buffer_create(device, "targets", (size_t)w->cell_count * 64, NULL, 0, &s->targets, error);
     if (code == GW_OK)
-        code = gw_gl_buffer_create(device, "references", (size_t)totals[3] * 4, NULL, 0, &s->references, error);
+        code =
+            gw_gl_buffer_create(device, "references", (size_t)totals[3] * 4, NULL, 0, &s->references, error);
     if (code == GW_OK)
         code = gw_gl_buffer_create(device, "cells", (size_t)totals[1] * 16, NULL, 0, &next->cells, error);
     if (code == GW_OK)
@@ -245,8 +259,7 @@ static gw_code emit_children(gw_octree_builder *builder, const part *p, const wi
     return code;
 }
 
-static void count_reason(gw_octree_statistics *statistics, uint32_t class_bits)
-{
+static void count_reason(gw_octree_statistics *statistics, uint32_t class_bits) {
     switch ((class_bits >> 4) & 0xfu) {
     case REASON_SMALL:
         statistics->stopped_small++;
@@ -265,20 +278,22 @@ static void count_reason(gw_octree_statistics *statistics, uint32_t class_bits)
     }
 }
 
-/* Appends the children that `data` holds ([count][4]: link, bits, cell) to the level and lists the inner ones in node_of. */
-static gw_code append_nodes(gw_octree_builder *builder, uint32_t at_level, const uint32_t (*data)[4], uint32_t count,
-                            uint32_t *node_of, gw_error *error)
-{
+/* Appends the children that `data` holds ([count][4]: link, bits, cell) to the level and lists the inner ones
+ * in node_of. */
+static gw_code append_nodes(gw_octree_builder *builder, uint32_t at_level, const uint32_t (*data)[4],
+                            uint32_t count, uint32_t *node_of, gw_error *error) {
     gw_octree_level *level = &builder->levels[at_level];
     size_t needed = level->node_count + count;
     uint32_t inner = 0;
     if (needed > UINT32_MAX / 2)
-        return gw_fail(error, GW_MACHINE, "octree level %" PRIu32 " needs %zu nodes, more than 2^31; lower octree_depth",
+        return gw_fail(error, GW_MACHINE,
+                       "octree level %" PRIu32 " needs %zu nodes, more than 2^31; lower octree_depth",
                        at_level, needed);
-    gw_code code = gw_grow((void **)&level->nodes, &level->node_capacity, needed, sizeof *level->nodes, "octree nodes",
-                           error);
+    gw_code code = gw_grow((void **)&level->nodes, &level->node_capacity, needed, sizeof *level->nodes,
+                           "octree nodes", error);
     if (code == GW_OK)
-        code = gw_grow((void **)&level->cells, &level->cell_capacity, needed, sizeof *level->cells, "octree cells", error);
+        code = gw_grow((void **)&level->cells, &level->cell_capacity, needed, sizeof *level->cells,
+                       "octree cells", error);
     if (code != GW_OK)
         return code;
     for (uint32_t i = 0; i < count; ++i) {
@@ -298,16 +313,19 @@ static gw_code append_nodes(gw_octree_builder *builder, uint32_t at_level, const
     return GW_OK;
 }
 
-static gw_code append_references(gw_octree_level *level, const gw_gl_buffer *buffer, uint32_t count, gw_error *error)
-{
+static gw_code append_references(gw_octree_level *level, const gw_gl_buffer *buffer, uint32_t count,
+                                 gw_error *error) {
     size_t needed = level->reference_count + count;
     if (needed > UINT32_MAX / 2)
-        return gw_fail(error, GW_MACHINE, "the octree needs %zu references on one level, more than 2^31; lower "
-                                          "octree_depth or raise leaf_triangles", needed);
-    gw_code code = gw_grow((void **)&level->references, &level->reference_capacity, needed, sizeof *level->references,
-                           "octree references", error);
+        return gw_fail(error, GW_MACHINE,
+                       "the octree needs %zu references on one level, more than 2^31; lower "
+                       "octree_depth or raise leaf_triangles",
+                       needed);
+    gw_code code = gw_grow((void **)&level->references, &level->reference_capacity, needed,
+                           sizeof *level->references, "octree references", error);
     if (code == GW_OK && count > 0)
-        code = gw_gl_buffer_read(buffer, 0, (size_t)count * 4, level->references + level->reference_count, error);
+        code = gw_gl_buffer_read(buffer, 0, (size_t)count * 4, level->references + level->reference_count,
+                                 error);
     if (code == GW_OK)
         level->reference_count = needed;
     return code;
@@ -315,8 +333,7 @@ static gw_code append_references(gw_octree_level *level, const gw_gl_buffer *buf
 
 /* Reads a window's results back and links parents to children. */
 static gw_code collect(gw_octree_builder *builder, const part *p, const window *w, const scratch *s,
-                       const uint32_t totals[4], part *next, gw_error *error)
-{
+                       const uint32_t totals[4], part *next, gw_error *error) {
     gw_octree_level *below = &builder->levels[p->level + 1];
     uint32_t first_child = (uint32_t)below->node_count;
     uint32_t(*children)[4] = NULL;
@@ -325,13 +342,15 @@ static gw_code collect(gw_octree_builder *builder, const part *p, const window *
     if (code == GW_OK)
         code = gw_allocate((void **)&parents, w->cell_count, sizeof *parents, "parents", error);
     if (code == GW_OK)
-        code = gw_allocate((void **)&next->node_of, next->cell_count, sizeof *next->node_of, "inner nodes", error);
+        code = gw_allocate((void **)&next->node_of, next->cell_count, sizeof *next->node_of, "inner nodes",
+                           error);
     if (code == GW_OK)
         code = gw_gl_buffer_read(&s->children, 0, (size_t)totals[0] * 16, children, error);
     if (code == GW_OK)
         code = gw_gl_buffer_read(&s->parents, 0, (size_t)w->cell_count * 8, parents, error);
     if (code == GW_OK)
-        code = append_nodes(builder, p->level + 1, (const uint32_t(*)[4])children, totals[0], next->node_of, error);
+        code = append_nodes(builder, p->level + 1, (const uint32_t(*)[4])children, totals[0], next->node_of,
+                            error);
     if (code == GW_OK)
         code = append_references(below, &s->references, totals[3], error);
     for (uint32_t i = 0; code == GW_OK && i < w->cell_count; ++i) {
@@ -346,8 +365,7 @@ static gw_code collect(gw_octree_builder *builder, const part *p, const window *
 }
 
 /* The first pair of a cell, or the part's pair count for the cell after the last. */
-static gw_code first_pair(const part *p, uint32_t cell, uint32_t *out, gw_error *error)
-{
+static gw_code first_pair(const part *p, uint32_t cell, uint32_t *out, gw_error *error) {
     if (cell >= p->cell_count) {
         *out = p->pair_count;
         return GW_OK;
@@ -357,8 +375,7 @@ static gw_code first_pair(const part *p, uint32_t cell, uint32_t *out, gw_error 
 
 static gw_code refine_window(gw_octree_builder *builder, const part *p, const window *w, gw_error *error);
 
-static gw_code refine_halves(gw_octree_builder *builder, const part *p, const window *w, gw_error *error)
-{
+static gw_code refine_halves(gw_octree_builder *builder, const part *p, const window *w, gw_error *error) {
     window low = *w, high = *w;
     uint32_t middle = w->cell_first + w->cell_count / 2;
     uint32_t pair = 0;
@@ -377,9 +394,8 @@ static gw_code refine_halves(gw_octree_builder *builder, const part *p, const wi
 }
 
 /* The middle of refine_window: from lists to the next part. */
-static gw_code descend(gw_octree_builder *builder, const part *p, const window *w, scratch *s, const uint64_t totals[8],
-                       uint32_t out_count, part *next, gw_error *error)
-{
+static gw_code descend(gw_octree_builder *builder, const part *p, const window *w, scratch *s,
+                       const uint64_t totals[8], uint32_t out_count, part *next, gw_error *error) {
     uint32_t slot_totals[4];
     gw_code code = scatter_pairs(builder, p, w, s, totals, out_count, error);
     if (code == GW_OK)
@@ -391,8 +407,7 @@ static gw_code descend(gw_octree_builder *builder, const part *p, const window *
     return code;
 }
 
-static gw_code refine_window(gw_octree_builder *builder, const part *p, const window *w, gw_error *error)
-{
+static gw_code refine_window(gw_octree_builder *builder, const part *p, const window *w, gw_error *error) {
     scratch s = {0};
     part next = {0};
     uint64_t totals[8] = {0}, out_count = 0;
@@ -408,7 +423,8 @@ static gw_code refine_window(gw_octree_builder *builder, const part *p, const wi
         if (divisible)
             return refine_halves(builder, p, w, error);
         return gw_fail(error, GW_MACHINE,
-                       "one octree cell at level %" PRIu32 " passes %" PRIu64 " triangle references to its children, %" PRIu64
+                       "one octree cell at level %" PRIu32 " passes %" PRIu64
+                       " triangle references to its children, %" PRIu64
                        " fit in one buffer of this driver; reduce the model (fewer triangles in one place)",
                        p->level, out_count, builder->pair_limit);
     }
@@ -423,16 +439,14 @@ static gw_code refine_window(gw_octree_builder *builder, const part *p, const wi
     return code;
 }
 
-static gw_code refine_part(gw_octree_builder *builder, const part *p, gw_error *error)
-{
+static gw_code refine_part(gw_octree_builder *builder, const part *p, gw_error *error) {
     window all = {0, p->cell_count, 0, p->pair_count};
     gw_log_progress(builder->log, "refining the octree", (double)p->level / builder->depth);
     return refine_window(builder, p, &all, error);
 }
 
 /* The root cell with every triangle. */
-static gw_code make_root(gw_octree_builder *builder, part *root, gw_error *error)
-{
+static gw_code make_root(gw_octree_builder *builder, part *root, gw_error *error) {
     uint32_t count = builder->scene->triangle_count;
     uint32_t cell[4] = {0, 0, 0, count};
     uint32_t(*pairs)[2] = NULL;
@@ -449,13 +463,13 @@ static gw_code make_root(gw_octree_builder *builder, part *root, gw_error *error
     if (code == GW_OK)
         code = gw_gl_buffer_create(builder->device, "root cell", sizeof cell, cell, 0, &root->cells, error);
     if (code == GW_OK)
-        code = gw_gl_buffer_create(builder->device, "root pairs", (size_t)count * 8, pairs, 0, &root->pairs, error);
+        code = gw_gl_buffer_create(builder->device, "root pairs", (size_t)count * 8, pairs, 0, &root->pairs,
+                                   error);
     free(pairs);
     return code;
 }
 
-gw_code gw_octree_refine(gw_octree_builder *builder, gw_error *error)
-{
+gw_code gw_octree_refine(gw_octree_builder *builder, gw_error *error) {
     part root = {0};
     gw_code code;
     uint64_t cell_bytes = (uint64_t)gw_gl_limits_of(builder->device)->storage_block_bytes / BYTES_PER_CELL;

@@ -1,5 +1,6 @@
-/* The frame state: everything a frame depends on besides scene and site. One plain struct below 512 bytes that travels in
- * the gate's release message, is recorded one per frame and repeated by replay: the same state gives the same pixels. */
+/* The frame state: everything a frame depends on besides scene and site. One plain struct below 512 bytes
+ * that travels in the gate's release message, is recorded one per frame and repeated by replay: the same
+ * state gives the same pixels. */
 #ifndef GW_RENDER_FRAME_STATE_H
 #define GW_RENDER_FRAME_STATE_H
 
@@ -11,21 +12,22 @@
 /* One viewer's gaze in wall space (mm). */
 typedef struct gw_gaze {
     float eye[3];
-    float direction[3]; /* unit */
-    float up[3];        /* unit, about across direction: orients the ellipse */
+    float direction[3];            /* unit */
+    float up[3];                   /* unit, about across direction: orients the ellipse */
     float half_width, half_height; /* deg */
-    float age;          /* s */
-    float confidence;   /* 0..1 */
+    float age;                     /* s */
+    float confidence;              /* 0..1 */
 } gw_gaze;
 
 typedef struct gw_frame_state {
-    uint32_t frame;        /* number, from 0 */
-    uint32_t gaze_count;   /* 0: nobody's gaze is known, so everything is sharp (tau_inside everywhere) */
-    int64_t time;          /* ns of the scene's and track's clock */
-    double eye[3];         /* rendering eye, wall space, mm */
+    uint32_t frame;      /* number, from 0 */
+    uint32_t gaze_count; /* 0: nobody's gaze is known, so everything is sharp (tau_inside everywhere) */
+    int64_t time;        /* ns of the scene's and track's clock */
+    double eye[3];       /* rendering eye, wall space, mm */
     gw_gaze gazes[GW_MAXIMUM_VIEWERS];
     /* Knobs of the FRAME stage, as floats (settings.h says what they mean). */
-    float tau, tau_inside, gaze_margin, gaze_blend, acuity_slope;
+    float tau, tau_inside, gaze_margin, gaze_blend, gaze_growth, gaze_latency, gaze_growth_limit,
+        acuity_slope;
     uint8_t geometry, level_blend, leaf_blend, texture_filter, triangle_precision;
     uint8_t debug; /* gw_debug_view */
     uint8_t reserved[2];
@@ -33,7 +35,13 @@ typedef struct gw_frame_state {
 } gw_frame_state;
 _Static_assert(sizeof(gw_frame_state) < 512, "the frame state travels in one small message");
 
-typedef enum gw_debug_view { GW_DEBUG_NONE, GW_DEBUG_LEVELS, GW_DEBUG_STEPS, GW_DEBUG_NORMALS, GW_DEBUG_GAZE } gw_debug_view;
+typedef enum gw_debug_view {
+    GW_DEBUG_NONE,
+    GW_DEBUG_LEVELS,
+    GW_DEBUG_STEPS,
+    GW_DEBUG_NORMALS,
+    GW_DEBUG_GAZE
+} gw_debug_view;
 
 /* Copies the FRAME settings into the state. */
 void gw_frame_state_apply(gw_frame_state *state, const gw_settings *settings);

@@ -1,8 +1,9 @@
 /* The renderer: octree + frame state -> the pixels of one rectangle of a plane.
  *
- * Holds the scene and octree on the GPU (uploaded once), the specialised kernels, and the buffers of the largest
- * rectangle asked for so far. Pixels are a function of (scene, octree, placement, plane, wall-global pixel, frame state)
- * only. Belongs to the thread of its GL device. Scene and octree are borrowed until destroy. */
+ * Holds the scene and octree on the GPU (uploaded once), the specialised kernels, and the buffers of the
+ * largest rectangle asked for so far. Pixels are a function of (scene, octree, placement, plane, wall-global
+ * pixel, frame state) only. Belongs to the thread of its GL device. Scene and octree are borrowed until
+ * destroy. */
 #ifndef GW_RENDER_RENDERER_H
 #define GW_RENDER_RENDERER_H
 
@@ -20,15 +21,21 @@
 
 typedef struct gw_renderer gw_renderer;
 
-/* Deterministic work of one frame; all zero unless counting was on, except rays. */
+/* Deterministic work of one frame. steps to voxels are zero unless counting was on. */
 typedef struct gw_counters {
-    uint64_t rays, steps, node_loads, triangle_tests, voxels, step_cap_hits, nan_pixels, resumed;
+    uint64_t rays, steps, node_loads, triangle_tests, voxels;
+    uint64_t step_cap_hits; /* rays that the driver cut off: must stay 0; always counted */
+    uint64_t nan_pixels;    /* pixels replaced by the background; always counted */
+    uint64_t resumed;       /* further dispatches of suspended rays, summed over rays; always counted */
 } gw_counters;
 
 typedef struct gw_renderer_options {
-    int count;                 /* 1: count steps, loads, tests (slower, same pixels) */
-    uint32_t loop_budget;      /* iterations of one invocation per dispatch; 0: 50,000 (llvmpipe ends loops at 65,535) */
-    uint32_t force_features;   /* effect bits to compile in although the scene does not call for them */
+    int count; /* 1: count steps, loads, tests (slower, same pixels) */
+    /* Loop iterations of one ray per dispatch, after which it is suspended and goes on in another; 0: 4,000.
+     * Software GL ends all loops of a group of up to 16 lanes after 65,535 iterations, so 4,095 is the most
+     * that is safe there. */
+    uint32_t loop_budget;
+    uint32_t force_features; /* gw_feature bits to compile in although nothing calls for them: same pixels */
     const gw_log *log;
 } gw_renderer_options;
 
@@ -36,23 +43,25 @@ gw_code gw_renderer_create(gw_gl *device, const gw_scene *scene, const gw_octree
                            const gw_renderer_options *options, gw_renderer **out, gw_error *error);
 void gw_renderer_destroy(gw_renderer **renderer);
 
-/* Renders the rectangle into rgba ([height][width][4], sRGB, alpha 255). counters may be NULL; they are added to. */
+/* Renders the rectangle into rgba ([height][width][4], sRGB, alpha 255). counters may be NULL; they are added
+ * to. */
 gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement, const gw_plane *plane,
                           const gw_rectangle *rectangle, const gw_frame_state *state, uint8_t *rgba,
                           gw_counters *counters, gw_error *error);
 
-/* Rays for oracles and benches, in rebased space; directions need not be unit, t is in units of the direction. */
+/* Rays for oracles and benches, in rebased space; directions need not be unit, t is in units of the
+ * direction. */
 typedef struct gw_ray {
     float origin[3], minimum; /* hits with t > minimum count; 0 as a rule */
     float direction[3], maximum;
 } gw_ray;
 typedef struct gw_hit {
-    float t; /* of the nearest hit; ray.maximum if none */
+    float t;           /* of the nearest hit; ray.maximum if none */
     uint32_t triangle; /* canonical id or GW_NO_TRIANGLE */
 } gw_hit;
 typedef enum gw_trace_method {
-    GW_TRACE_OCTREE,      /* the shipped traversal at tau 0 */
-    GW_TRACE_BRUTE_FORCE  /* every triangle, same shader code for the test */
+    GW_TRACE_OCTREE,     /* the shipped traversal at tau 0 */
+    GW_TRACE_BRUTE_FORCE /* every triangle, same shader code for the test */
 } gw_trace_method;
 gw_code gw_renderer_trace(gw_renderer *renderer, gw_trace_method method, const gw_ray *rays, size_t ray_count,
                           gw_hit *hits, gw_counters *counters, gw_error *error);

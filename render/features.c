@@ -1,0 +1,118 @@
+/* See features.h. */
+#include "render/features.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+const gw_feature_row gw_feature_rows[] = {
+    {GW_FEATURE_TEXTURES, "textures", "TEXTURES", "no material in use has a texture"},
+    {GW_FEATURE_VERTEX_COLORS, "vertex-colors", "VERTEX_COLORS", "no vertex has a colour"},
+    {GW_FEATURE_SMOOTH_NORMALS, "smooth-normals", "SMOOTH_NORMALS", "no vertex has a shading normal"},
+    {GW_FEATURE_EMISSIVE, "emissive", "EMISSIVE", "no material in use emits light"},
+    {GW_FEATURE_ALPHA, "alpha", "ALPHA", "no material in use masks or blends"},
+    {GW_FEATURE_DIRECTIONAL_LIGHTS, "directional-lights", "DIRECTIONAL_LIGHTS", "the scene has none"},
+    {GW_FEATURE_POINT_LIGHTS, "point-lights", "POINT_LIGHTS", "the scene has none"},
+    {GW_FEATURE_LOD, "lod", "LOD", "tau is 0 wherever it applies, so every ray ends at triangles"},
+    {GW_FEATURE_GAZE, "gaze", "GAZE", "no gaze is known, or nothing in the frame depends on it"},
+    {GW_FEATURE_WIDE_NODES, "wide-nodes", "WIDE_NODES", "the octree has at most 2^24 nodes"},
+};
+const size_t gw_feature_count = sizeof gw_feature_rows / sizeof gw_feature_rows[0];
+
+static uint32_t features_of_material(const gw_material *material) {
+    uint32_t bits = 0;
+    if (material->base_color_texture >= 0)
+        bits |= GW_FEATURE_TEXTURES;
+    if (material->emissive[0] > 0.0f || material->emissive[1] > 0.0f || material->emissive[2] > 0.0f)
+        bits |= GW_FEATURE_EMISSIVE;
+    if (material->alpha_mode != GW_ALPHA_OPAQUE)
+        bits |= GW_FEATURE_ALPHA;
+    return bits;
+}
+
+static int has_normal(const gw_scene *scene) {
+    for (size_t i = 0; i < (size_t)scene->vertex_count * 3; ++i)
+        if (scene->normals[i] != 0.0f)
+            return 1;
+    return 0;
+}
+
+uint32_t gw_features_of_scene(const gw_scene *scene, const gw_octree *octree) {
+    uint32_t bits = 0;
+    /* Materials that no triangle uses call for nothing. */
+    uint32_t last = UINT32_MAX;
+    for (uint32_t i = 0; i < scene->triangle_count; ++i) {
+        uint32_t material = scene->material_of[i];
+        if (material != last)
+            bits |= features_of_material(&scene->materials[material]);
+        last = material;
+    }
+    if (scene->colors)
+        bits |= GW_FEATURE_VERTEX_COLORS;
+    if (scene->normals && has_normal(scene))
+        bits |= GW_FEATURE_SMOOTH_NORMALS;
+    for (uint32_t i = 0; i < scene->light_count; ++i)
+        bits |=
+            scene->lights[i].kind == GW_LIGHT_POINT ? GW_FEATURE_POINT_LIGHTS : GW_FEATURE_DIRECTIONAL_LIGHTS;
+    if (octree->node_count > 1u << 24)
+        bits |= GW_FEATURE_WIDE_NODES;
+    return bits;
+}
+
+uint32_t gw_features_of_frame(const gw_frame_state *state, uint32_t viewers, uint32_t scene_features) {
+    uint32_t bits = 0;
+    float coarsest = viewers > 0 && state->tau > state->tau_inside ? state->tau : state->tau_inside;
+    if (state->geometry == GW_GEOMETRY_VOXELS || (state->geometry == GW_GEOMETRY_HYBRID && coarsest > 0.0f))
+        bits |= GW_FEATURE_LOD;
+    int depends =
+        (bits & GW_FEATURE_LOD) || (scene_features & GW_FEATURE_TEXTURES) || state->debug == GW_DEBUG_GAZE;
+    if (viewers > 0 && depends)
+        bits |= GW_FEATURE_GAZE;
+    return bits;
+}
+
+uint32_t gw_kernel_fragments(const gw_kernel_key *key) {
+    return key->features & GW_FEATURE_LOD ? GW_LOD_FRAGMENTS : 1;
+}
+
+typedef struct define_text {
+    char *text;
+    size_t size, used;
+} define_text;
+
+static void append(define_text *out, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void append(define_text *out, const char *format, ...) {
+    if (out->used >= out->size)
+        return;
+    va_list arguments;
+    va_start(arguments, format);
+    int length = vsnprintf(out->text + out->used, out->size - out->used, format, arguments);
+    va_end(arguments);
+    out->used += length > 0 ? (size_t)length : 0;
+}
+
+gw_code gw_kernel_defines(const gw_kernel_key *key, char *text, size_t size, gw_error *error) {
+    define_text out = {text, size, 0};
+    append(&out, "#define OCTREE_DEPTH %u\n", key->depth);
+    append(&out, "#define LOOP_BUDGET %uu\n", key->loop_budget);
+    append(&out, "#define FRAGMENTS %uu\n", gw_kernel_fragments(key));
+    append(&out, "#define TEXTURE_CLASSES %u\n", key->texture_classes);
+    append(&out, "#define DEBUG_VIEW %u\n", key->debug);
+    for (size_t i = 0; i < gw_feature_count; ++i)
+        if (key->features & gw_feature_rows[i].bit)
+            append(&out, "#define %s 1\n", gw_feature_rows[i].define);
+    if (key->voxels_only)
+        append(&out, "#define VOXELS_ONLY 1\n");
+    if (key->level_blend)
+        append(&out, "#define LEVEL_BLEND 1\n");
+    if (key->leaf_blend)
+        append(&out, "#define LEAF_BLEND 1\n");
+    if (key->double_edges)
+        append(&out, "#define DOUBLE_EDGES 1\n");
+    if (key->count)
+        append(&out, "#define COUNT 1\n");
+    if (key->resume)
+        append(&out, "#define RESUME 1\n");
+    if (out.used >= out.size)
+        return gw_fail(error, GW_MACHINE, "the kernel's defines need more than %zu bytes", size);
+    return GW_OK;
+}

@@ -1,0 +1,163 @@
+/* See frame_block.h. Angles survive the similarity from wall to rebased space, so gaze is computed there. */
+#include "render/frame_block.h"
+
+#include <math.h>
+#include <string.h>
+
+_Static_assert(sizeof(gw_frame_block) == 16 * (15 + 4 * GW_MAXIMUM_VIEWERS), "std140 rows without holes");
+
+/* Smallest resolvable period at the centre of gaze, degrees (60 cycles per degree would be 1/60; 1/48 is the
+ * value of Guenter et al., Foveated 3D Graphics, 2012). */
+static const double smallest_period = 1.0 / 48.0;
+
+typedef struct ray_space {
+    const gw_similarity *placement;
+    double scale; /* rebased units times ray scale per wall mm */
+} ray_space;
+
+static double dot(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void cross(const double a[3], const double b[3], double out[3]) {
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static int normalise(double v[3]) {
+    double length = sqrt(dot(v, v));
+    if (!(length > 1e-12) || !isfinite(length))
+        return 0;
+    for (int i = 0; i < 3; ++i)
+        v[i] /= length;
+    return 1;
+}
+
+static int finite3(const double v[3]) {
+    return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
+}
+
+/* A direction of wall space in rebased axes. */
+static void turn(const gw_similarity *placement, const double wall[3], double out[3]) {
+    for (int j = 0; j < 3; ++j)
+        out[j] = placement->rotation[0][j] * wall[0] + placement->rotation[1][j] * wall[1] +
+                 placement->rotation[2][j] * wall[2];
+}
+
+static void to_ray_units(const ray_space *space, const double wall[3], float out[4]) {
+    double turned[3];
+    turn(space->placement, wall, turned);
+    for (int j = 0; j < 3; ++j)
+        out[j] = (float)(turned[j] * space->scale);
+}
+
+static float widened(float half_angle, const gw_frame_state *state, float age) {
+    double growth = (double)state->gaze_growth * fmax((double)age - (double)state->gaze_latency, 0.0);
+    return (float)(fmin(fmax((double)half_angle, 0.0), 180.0) +
+                   fmin(growth, (double)state->gaze_growth_limit));
+}
+
+/* 0 when the gaze cannot be used. */
+static int fill_viewer(const ray_space *space, const double eye[3], const gw_gaze *gaze,
+                       const gw_frame_state *state, gw_viewer *out) {
+    double offset[3], forward[3], up[3], right[3];
+    for (int i = 0; i < 3; ++i) {
+        offset[i] = (double)gaze->eye[i] - eye[i];
+        forward[i] = (double)gaze->direction[i];
+        up[i] = (double)gaze->up[i];
+    }
+    if (!finite3(offset) || !finite3(forward) || !normalise(forward) || !isfinite(gaze->half_width) ||
+        !isfinite(gaze->half_height) || !isfinite(gaze->age) || !(gaze->confidence > 0.0f))
+        return 0;
+    cross(forward, up, right);
+    if (!finite3(up) || !normalise(right)) {
+        /* No usable up: the ellipse is oriented by the axis farthest from the gaze. */
+        int axis = fabs(forward[1]) < 0.9 ? 1 : 0;
+        const double fallback[3] = {axis == 0 ? 1.0 : 0.0, axis == 1 ? 1.0 : 0.0, 0.0};
+        cross(forward, fallback, right);
+        if (!normalise(right))
+            return 0;
+    }
+    cross(right, forward, up);
+    const ray_space axes = {space->placement, 1.0};
+    to_ray_units(space, offset, out->eye);
+    to_ray_units(&axes, right, out->right);
+    to_ray_units(&axes, up, out->up);
+    to_ray_units(&axes, forward, out->forward);
+    out->eye[3] = widened(gaze->half_width, state, gaze->age);
+    out->right[3] = widened(gaze->half_height, state, gaze->age);
+    return 1;
+}
+
+static gw_code check(const gw_plane *plane, const gw_frame_state *state, gw_error *error) {
+    if (!finite3(state->eye))
+        return gw_fail(error, GW_BAD_INPUT, "frame %u: the eye (%g, %g, %g) is not finite", state->frame,
+                       state->eye[0], state->eye[1], state->eye[2]);
+    if (!finite3(plane->corner) || !finite3(plane->step_x) || !finite3(plane->step_y))
+        return gw_fail(error, GW_BAD_INPUT, "frame %u: the plane's corner or steps are not finite",
+                       state->frame);
+    const float knobs[] = {
+        state->tau,         state->tau_inside,   state->gaze_margin,       state->gaze_blend,
+        state->gaze_growth, state->gaze_latency, state->gaze_growth_limit, state->acuity_slope};
+    for (size_t i = 0; i < sizeof knobs / sizeof knobs[0]; ++i)
+        if (!isfinite(knobs[i]) || knobs[i] < 0.0f)
+            return gw_fail(error, GW_BAD_INPUT,
+                           "frame %u: accuracy knob %zu is %g; it must be a number of at least 0",
+                           state->frame, i, (double)knobs[i]);
+    return GW_OK;
+}
+
+static void fill_scene(const gw_scene *scene, const gw_octree *octree, gw_frame_block *block) {
+    for (int i = 0; i < 3; ++i) {
+        block->background[i] = scene->background[i];
+        block->ambient[i] = scene->ambient[i];
+    }
+    block->eye[3] = (float)ldexp(1.0, scene->exponent);
+    for (uint32_t level = 0; level < 16; ++level)
+        block->level_begin[level / 4][level % 4] =
+            level <= octree->depth ? octree->level_begin[level] : UINT32_MAX;
+}
+
+gw_code gw_frame_block_fill(const gw_scene *scene, const gw_octree *octree, const gw_similarity *placement,
+                            const gw_plane *plane, const gw_frame_state *state, gw_frame_block *block,
+                            uint32_t *dropped, gw_error *error) {
+    gw_code code = check(plane, state, error);
+    if (code)
+        return code;
+    memset(block, 0, sizeof *block);
+    fill_scene(scene, octree, block);
+
+    double eye[3], corner[3];
+    gw_wall_to_rebased(placement, scene, state->eye, eye);
+    for (int i = 0; i < 3; ++i) {
+        block->eye[i] = (float)eye[i];
+        corner[i] = plane->corner[i] - state->eye[i];
+    }
+    /* Powers of two scale exactly: rays then have the same bits whatever the wall's size against the scene's.
+     */
+    double per_mm = ldexp(1.0 / placement->scale, -scene->exponent);
+    int distance = 0;
+    double length = sqrt(dot(corner, corner)) * per_mm;
+    if (length > 0.0)
+        frexp(length, &distance);
+    const ray_space space = {placement, ldexp(per_mm, -distance)};
+    to_ray_units(&space, corner, block->corner);
+    to_ray_units(&space, plane->step_x, block->step_x);
+    to_ray_units(&space, plane->step_y, block->step_y);
+
+    block->accuracy[0] = state->tau;
+    block->accuracy[1] = state->tau_inside;
+    block->accuracy[2] = state->gaze_blend;
+    block->accuracy[3] = state->gaze_margin;
+    block->acuity[0] = state->acuity_slope;
+    block->acuity[1] = (float)smallest_period;
+    uint32_t gazes = state->gaze_count < GW_MAXIMUM_VIEWERS ? state->gaze_count : GW_MAXIMUM_VIEWERS;
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < gazes; ++i)
+        kept += (uint32_t)fill_viewer(&space, state->eye, &state->gazes[i], state, &block->viewers[kept]);
+    block->counts[0] = kept;
+    if (dropped)
+        *dropped += state->gaze_count - kept;
+    return GW_OK;
+}

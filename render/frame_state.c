@@ -1,0 +1,18 @@
+/* See frame_state.h. */
+#include "render/frame_state.h"
+
+void gw_frame_state_apply(gw_frame_state *state, const gw_settings *settings) {
+    state->tau = (float)settings->tau;
+    state->tau_inside = (float)settings->tau_inside;
+    state->gaze_margin = (float)settings->gaze_margin;
+    state->gaze_blend = (float)settings->gaze_blend;
+    state->gaze_growth = (float)settings->gaze_growth;
+    state->gaze_latency = (float)settings->gaze_latency;
+    state->gaze_growth_limit = (float)settings->gaze_growth_limit;
+    state->acuity_slope = (float)settings->acuity_slope;
+    state->geometry = (uint8_t)settings->geometry;
+    state->level_blend = (uint8_t)settings->level_blend;
+    state->leaf_blend = (uint8_t)settings->leaf_blend;
+    state->texture_filter = (uint8_t)settings->texture_filter;
+    state->triangle_precision = (uint8_t)settings->triangle_precision;
+}

@@ -1,0 +1,26 @@
+/* Resizing and halving of images in linear light, 16 bits a channel, straight alpha; colour is averaged with
+ * alpha as its weight, so that what is transparent does not bleed. Host only; any thread. */
+#ifndef GW_RENDER_MIP_CHAIN_H
+#define GW_RENDER_MIP_CHAIN_H
+
+#include "base/status.h"
+#include "build/scene.h"
+
+#include <stdint.h>
+
+/* Square of linear texels, RGBA. */
+typedef struct gw_linear_image {
+    uint32_t side;
+    uint16_t (*texels)[4];
+} gw_linear_image;
+
+/* The texture resized to side x side: exact copy where sizes agree, area mean when shrinking, linear
+ * interpolation (by the texture's wrap modes) when growing. */
+gw_code gw_linear_image_init(const gw_texture *texture, uint32_t side, gw_linear_image *out, gw_error *error);
+void gw_linear_image_finish(gw_linear_image *image);
+/* Replaces the image by one of half its side; side must be at least 2. */
+void gw_linear_image_halve(gw_linear_image *image);
+/* sRGB-encoded bytes; rgba has side * side * 4 of them. */
+void gw_linear_image_encode(const gw_linear_image *image, uint8_t *rgba);
+
+#endif

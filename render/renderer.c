@@ -1,0 +1,199 @@
+/* See renderer.h. The life of a renderer and its buffers; frames are in renderer_frame.c, rays in
+ * renderer_trace.c. */
+#include "render/renderer_internal.h"
+
+#include "base/memory.h"
+#include "shaders/common/frame.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { DEFAULT_LOOP_BUDGET = 4000, LEAST_LOOP_BUDGET = 32 };
+enum { SOFTWARE_CHUNK = 1 << 17, DEVICE_CHUNK = 1 << 20 };
+
+size_t gw_renderer_chunk_slots(const gw_renderer *renderer) {
+    return gw_gl_limits_of(renderer->device)->software ? SOFTWARE_CHUNK : DEVICE_CHUNK;
+}
+
+gw_code gw_renderer_create(gw_gl *device, const gw_scene *scene, const gw_octree *octree,
+                           const gw_renderer_options *options, gw_renderer **out, gw_error *error) {
+    static const gw_renderer_options defaults;
+    *out = NULL;
+    if (!options)
+        options = &defaults;
+    void *memory = NULL;
+    gw_code code = gw_allocate(&memory, 1, sizeof(gw_renderer), "the renderer", error);
+    if (code)
+        return code;
+    gw_renderer *renderer = memory;
+    renderer->device = device;
+    renderer->scene = scene;
+    renderer->octree = octree;
+    renderer->log = options->log;
+    renderer->count = options->count;
+    renderer->loop_budget = options->loop_budget ? options->loop_budget : DEFAULT_LOOP_BUDGET;
+    if (renderer->loop_budget < LEAST_LOOP_BUDGET)
+        renderer->loop_budget = LEAST_LOOP_BUDGET; /* a ray must get from the root to its cell and on */
+    renderer->scene_features = gw_features_of_scene(scene, octree);
+    renderer->forced_features = options->force_features;
+    code = gw_scene_buffers_init(device, scene, octree, &renderer->buffers, error);
+    if (!code)
+        code = gw_gl_buffer_create(device, "totals", GW_TOTAL_WORDS * sizeof(uint32_t), NULL, 0,
+                                   &renderer->totals, error);
+    if (!code)
+        code = gw_gl_buffer_create(device, "frame block", sizeof(gw_frame_block), NULL, 0, &renderer->frame,
+                                   error);
+    if (code) {
+        gw_renderer_destroy(&renderer);
+        return gw_context(error, "putting the scene on the GPU");
+    }
+    *out = renderer;
+    return GW_OK;
+}
+
+void gw_ray_buffers_finish(gw_ray_buffers *buffers) {
+    gw_gl_buffer *all[] = {&buffers->fragments, &buffers->statuses, &buffers->states, &buffers->queues[0],
+                           &buffers->queues[1], &buffers->work,     &buffers->sums,   &buffers->pixels};
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
+        gw_gl_buffer_finish(all[i]);
+    memset(buffers, 0, sizeof *buffers);
+}
+
+void gw_renderer_destroy(gw_renderer **renderer) {
+    if (!renderer || !*renderer)
+        return;
+    gw_renderer *r = *renderer;
+    gw_ray_buffers_finish(&r->rays);
+    gw_scene_buffers_finish(&r->buffers);
+    gw_gl_buffer_finish(&r->totals);
+    gw_gl_buffer_finish(&r->frame);
+    free(r->host_pixels);
+    free(r);
+    *renderer = NULL;
+}
+
+static gw_code create_ray_buffers(gw_renderer *renderer, size_t slots, size_t fragment_words, int work,
+                                  gw_error *error) {
+    gw_ray_buffers *rays = &renderer->rays;
+    struct {
+        gw_gl_buffer *buffer;
+        const char *name;
+        size_t bytes; /* per slot */
+    } all[] = {
+        {&rays->statuses, "ray statuses", 8},
+        {&rays->states, "ray states", GW_STATE_WORDS * sizeof(uint32_t)},
+        {&rays->queues[0], "ray queue", 4},
+        {&rays->queues[1], "next ray queue", 4},
+        {&rays->sums, "radiance sums", 16},
+        {&rays->pixels, "pixels", 4},
+        {&rays->work, "counted work", work ? 16 : 0},
+    };
+    gw_code code = gw_gl_buffer_create(renderer->device, "fragments", fragment_words * sizeof(uint32_t), NULL,
+                                       0, &rays->fragments, error);
+    for (size_t i = 0; !code && i < sizeof all / sizeof all[0]; ++i)
+        code = gw_gl_buffer_create(renderer->device, all[i].name, slots * all[i].bytes, NULL, 0,
+                                   all[i].buffer, error);
+    if (code)
+        return code;
+    rays->slots = slots;
+    rays->fragment_words = fragment_words;
+    rays->has_work = work;
+    return GW_OK;
+}
+
+gw_code gw_renderer_reserve(gw_renderer *renderer, size_t slots, uint32_t fragments, int work,
+                            gw_error *error) {
+    gw_ray_buffers *rays = &renderer->rays;
+    size_t words = slots * fragments * GW_FRAGMENT_WORDS;
+    if (slots > rays->slots || words > rays->fragment_words || (work && !rays->has_work)) {
+        size_t more_slots = slots > rays->slots ? slots : rays->slots;
+        size_t more_words = words > rays->fragment_words ? words : rays->fragment_words;
+        int more_work = work || rays->has_work;
+        gw_ray_buffers_finish(rays);
+        gw_code code = create_ray_buffers(renderer, more_slots, more_words, more_work, error);
+        if (code) {
+            gw_ray_buffers_finish(rays);
+            return code;
+        }
+    }
+    gw_gl_buffer_bind(&rays->fragments, GW_BINDING_FRAGMENTS);
+    gw_gl_buffer_bind(&rays->statuses, GW_BINDING_STATUSES);
+    gw_gl_buffer_bind(&rays->states, GW_BINDING_STATES);
+    gw_gl_buffer_bind(&renderer->totals, GW_BINDING_TOTALS);
+    gw_gl_buffer_bind(&rays->queues[0], GW_BINDING_QUEUE);
+    gw_gl_buffer_bind(&rays->queues[1], GW_BINDING_NEXT_QUEUE);
+    gw_gl_buffer_bind(&rays->work, GW_BINDING_WORK);
+    gw_gl_buffer_bind(&rays->sums, GW_BINDING_SUMS);
+    gw_gl_buffer_bind(&rays->pixels, GW_BINDING_PIXELS);
+    glBindBufferBase(GL_UNIFORM_BUFFER, 0, renderer->frame.id);
+    return GW_OK;
+}
+
+gw_code gw_renderer_clear_totals(gw_renderer *renderer, gw_error *error) {
+    static const uint32_t zeros[GW_TOTAL_WORDS];
+    return gw_gl_buffer_write(&renderer->totals, 0, sizeof zeros, zeros, error);
+}
+
+gw_code gw_renderer_read_totals(gw_renderer *renderer, uint32_t totals[4], gw_error *error) {
+    return gw_gl_buffer_read(&renderer->totals, 0, GW_TOTAL_WORDS * sizeof(uint32_t), totals, error);
+}
+
+gw_code gw_renderer_add_work(gw_renderer *renderer, size_t slots, gw_counters *counters, gw_error *error) {
+    void *memory = NULL;
+    gw_code code = gw_allocate(&memory, slots, 4 * sizeof(uint32_t), "counted work", error);
+    if (!code)
+        code = gw_gl_buffer_read(&renderer->rays.work, 0, slots * 4 * sizeof(uint32_t), memory, error);
+    const uint32_t(*work)[4] = memory;
+    for (size_t i = 0; !code && i < slots; ++i) {
+        counters->steps += work[i][0];
+        counters->node_loads += work[i][1];
+        counters->triangle_tests += work[i][2];
+        counters->voxels += work[i][3];
+    }
+    free(memory);
+    return code;
+}
+
+gw_code gw_renderer_kernel(gw_renderer *renderer, const char *name, const gw_kernel_key *key, GLuint *out,
+                           gw_error *error) {
+    char defines[1024];
+    gw_code code = gw_kernel_defines(key, defines, sizeof defines, error);
+    if (!code)
+        code = gw_gl_program(renderer->device, name, defines, out, error);
+    return code;
+}
+
+static json_t *skipped_feature(const gw_feature_row *row) {
+    return json_pack("{s:s, s:s}", "name", row->name, "why", row->absent);
+}
+
+gw_code gw_renderer_report(const gw_renderer *renderer, json_t *report, gw_error *error) {
+    json_t *run = json_array(), *skipped = json_array(), *forced = json_array();
+    int failed = !run || !skipped || !forced;
+    uint32_t called_for = renderer->scene_features | renderer->last_features;
+    for (size_t i = 0; i < gw_feature_count && !failed; ++i) {
+        const gw_feature_row *row = &gw_feature_rows[i];
+        if (called_for & row->bit)
+            failed = json_array_append_new(run, json_string(row->name));
+        else if (renderer->forced_features & row->bit)
+            failed = json_array_append_new(forced, json_string(row->name));
+        else
+            failed = json_array_append_new(skipped, skipped_feature(row));
+    }
+    json_t *effects = failed ? NULL
+                             : json_pack("{s:O, s:O, s:O, s:[]}", "run", run, "skipped", skipped, "forced",
+                                         forced, "forbidden");
+    json_decref(run);
+    json_decref(skipped);
+    json_decref(forced);
+    if (!effects || json_object_set_new(report, "effects", effects))
+        return gw_fail(error, GW_MACHINE, "no memory for the report of effects");
+    return GW_OK;
+}
+
+uint64_t gw_renderer_bytes(const gw_renderer *renderer) {
+    const gw_ray_buffers *rays = &renderer->rays;
+    return gw_scene_buffers_bytes(&renderer->buffers) + renderer->totals.size + renderer->frame.size +
+           rays->fragments.size + rays->statuses.size + rays->states.size + rays->queues[0].size +
+           rays->queues[1].size + rays->work.size + rays->sums.size + rays->pixels.size;
+}

@@ -1,0 +1,63 @@
+/* What the renderer's sources share; private to render/renderer*.c. */
+#ifndef GW_RENDER_RENDERER_INTERNAL_H
+#define GW_RENDER_RENDERER_INTERNAL_H
+
+#include "render/features.h"
+#include "render/renderer.h"
+#include "render/scene_buffers.h"
+
+/* Storage bindings of trace/primary.comp, trace/rays.comp and shade/shade.comp. */
+enum gw_binding {
+    GW_BINDING_FRAGMENTS = 0, /* rays, for rays.comp and brute_force.comp */
+    GW_BINDING_STATUSES = 1,  /* hits */
+    GW_BINDING_STATES = 2,
+    GW_BINDING_TOTALS = 3,
+    GW_BINDING_QUEUE = 4,
+    GW_BINDING_NEXT_QUEUE = 5,
+    GW_BINDING_WORK = 6,
+    GW_BINDING_SUMS = 7,
+    GW_BINDING_PIXELS = 8
+};
+
+enum { GW_BLOCK_SIDE = 8, GW_BLOCK_PIXELS = 64 };
+
+/* Buffers of one chunk of rays ("slots"); they only grow. */
+typedef struct gw_ray_buffers {
+    size_t slots;
+    size_t fragment_words; /* of all slots */
+    int has_work;
+    gw_gl_buffer fragments, statuses, states, queues[2], work, sums, pixels;
+} gw_ray_buffers;
+
+struct gw_renderer {
+    gw_gl *device;
+    const gw_scene *scene;
+    const gw_octree *octree;
+    const gw_log *log;
+    int count;
+    uint32_t loop_budget;
+    uint32_t scene_features, forced_features;
+    uint32_t last_features; /* of the last frame, for the report */
+    gw_scene_buffers buffers;
+    gw_ray_buffers rays;
+    gw_gl_buffer totals, frame;
+    uint32_t *host_pixels; /* of one chunk */
+    size_t host_pixel_capacity;
+};
+
+/* Room for slots rays; fragment words, work and the pixel buffers only as asked. */
+gw_code gw_renderer_reserve(gw_renderer *renderer, size_t slots, uint32_t fragments, int work,
+                            gw_error *error);
+void gw_ray_buffers_finish(gw_ray_buffers *buffers);
+/* Clears the totals, or reads them; totals are cap hits, NaN pixels, queue length, 0. */
+gw_code gw_renderer_clear_totals(gw_renderer *renderer, gw_error *error);
+gw_code gw_renderer_read_totals(gw_renderer *renderer, uint32_t totals[4], gw_error *error);
+/* Adds the counted work of the first `slots` rays. */
+gw_code gw_renderer_add_work(gw_renderer *renderer, size_t slots, gw_counters *counters, gw_error *error);
+/* The kernel for a key. */
+gw_code gw_renderer_kernel(gw_renderer *renderer, const char *name, const gw_kernel_key *key, GLuint *out,
+                           gw_error *error);
+/* Rays that one chunk may hold: dispatches stay short on software GL. */
+size_t gw_renderer_chunk_slots(const gw_renderer *renderer);
+
+#endif

@@ -1,0 +1,205 @@
+/* See scene_buffers.h. */
+#include "render/scene_buffers.h"
+
+#include "base/memory.h"
+#include "build/gpu_types.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Octahedral unit normal in 2 x 16 bits, 0..65534 for -1..1 so that 0 is exact (common/octahedral.glsl
+ * decodes). */
+static uint32_t encode_normal(const float n[3]) {
+    double size = fabs((double)n[0]) + fabs((double)n[1]) + fabs((double)n[2]);
+    if (!(size > 0.0) || !isfinite(size))
+        return UINT32_MAX;
+    double x = (double)n[0] / size, y = (double)n[1] / size;
+    if (n[2] < 0.0f) {
+        double folded = (1.0 - fabs(y)) * (x >= 0.0 ? 1.0 : -1.0);
+        y = (1.0 - fabs(x)) * (y >= 0.0 ? 1.0 : -1.0);
+        x = folded;
+    }
+    uint32_t u = (uint32_t)lround((x + 1.0) * 32767.0), v = (uint32_t)lround((y + 1.0) * 32767.0);
+    return u | (v << 16);
+}
+
+static int needs_alpha(const gw_material *material) {
+    return material->alpha_mode != GW_ALPHA_OPAQUE;
+}
+
+static gw_code upload_triangles(gw_gl *device, const gw_scene *scene, gw_scene_buffers *out,
+                                gw_error *error) {
+    size_t count = scene->triangle_count;
+    void *memory = NULL, *face_memory = NULL;
+    gw_code code = gw_allocate(&memory, count, sizeof(gw_gpu_triangle), "triangles for the GPU", error);
+    if (!code)
+        code = gw_allocate(&face_memory, count, sizeof(gw_gpu_face), "faces for the GPU", error);
+    gw_gpu_triangle *triangles = memory;
+    gw_gpu_face *faces = face_memory;
+    for (size_t i = 0; !code && i < count; ++i) {
+        const gw_material *material = &scene->materials[scene->material_of[i]];
+        for (int k = 0; k < 3; ++k) {
+            uint32_t vertex = scene->triangles[i][k];
+            memcpy(triangles[i].vertex[k], scene->positions + (size_t)vertex * 3, 3 * sizeof(float));
+            faces[i].vertex[k] = vertex;
+        }
+        faces[i].material = scene->material_of[i];
+        uint32_t flags = needs_alpha(material) ? GW_TRIANGLE_ALPHA : 0;
+        memcpy(&triangles[i].vertex[0][3], &flags, sizeof flags);
+    }
+    if (!code)
+        code = gw_gl_buffer_create(device, "triangles", count * sizeof *triangles, triangles, GL_RGBA32UI,
+                                   &out->triangles, error);
+    if (!code)
+        code = gw_gl_buffer_create(device, "faces", count * sizeof *faces, faces, GL_RGBA32UI, &out->faces,
+                                   error);
+    free(memory);
+    free(face_memory);
+    return code;
+}
+
+static gw_code upload_vertices(gw_gl *device, const gw_scene *scene, gw_scene_buffers *out, gw_error *error) {
+    static const float none[3] = {0};
+    void *memory = NULL;
+    gw_code code =
+        gw_allocate(&memory, scene->vertex_count, sizeof(gw_gpu_vertex), "vertices for the GPU", error);
+    if (code)
+        return code;
+    gw_gpu_vertex *vertices = memory;
+    for (size_t i = 0; i < scene->vertex_count; ++i) {
+        vertices[i].normal = encode_normal(scene->normals ? scene->normals + i * 3 : none);
+        vertices[i].u = scene->texcoords ? scene->texcoords[i * 2] : 0.0f;
+        vertices[i].v = scene->texcoords ? scene->texcoords[i * 2 + 1] : 0.0f;
+        vertices[i].color = UINT32_MAX;
+        if (scene->colors) {
+            const uint8_t *c = scene->colors + i * 4;
+            vertices[i].color =
+                (uint32_t)c[0] | (uint32_t)c[1] << 8 | (uint32_t)c[2] << 16 | (uint32_t)c[3] << 24;
+        }
+    }
+    code = gw_gl_buffer_create(device, "vertices", scene->vertex_count * sizeof *vertices, vertices,
+                               GL_RGBA32UI, &out->vertices, error);
+    free(memory);
+    return code;
+}
+
+static void fill_material(const gw_material *in, const uint32_t *texture_words, gw_gpu_material *out) {
+    memcpy(out->base_color, in->base_color, sizeof out->base_color);
+    memcpy(out->emissive, in->emissive, 3 * sizeof(float));
+    out->emissive[3] = in->metalness;
+    out->words[0] = in->base_color_texture >= 0 ? texture_words[in->base_color_texture] : GW_NO_TEXTURE;
+    out->words[1] = in->alpha_mode == GW_ALPHA_MASK    ? GW_MATERIAL_MASK
+                    : in->alpha_mode == GW_ALPHA_BLEND ? GW_MATERIAL_BLEND
+                                                       : 0;
+    memcpy(&out->words[2], &in->alpha_cutoff, sizeof(float));
+    memcpy(&out->words[3], &in->roughness, sizeof(float));
+}
+
+static gw_code upload_materials(gw_gl *device, const gw_scene *scene, gw_scene_buffers *out,
+                                gw_error *error) {
+    void *memory = NULL;
+    gw_code code =
+        gw_allocate(&memory, scene->material_count, sizeof(gw_gpu_material), "materials for the GPU", error);
+    if (code)
+        return code;
+    gw_gpu_material *materials = memory;
+    for (uint32_t i = 0; i < scene->material_count; ++i)
+        fill_material(&scene->materials[i], out->textures.words, &materials[i]);
+    code = gw_gl_buffer_create(device, "materials", scene->material_count * sizeof *materials, materials,
+                               GL_RGBA32UI, &out->materials, error);
+    free(memory);
+    return code;
+}
+
+static void fill_light(const gw_scene *scene, const gw_light *in, gw_gpu_light *out) {
+    for (int i = 0; i < 3; ++i) {
+        out->vector[i] = in->kind == GW_LIGHT_POINT
+                             ? (float)ldexp(in->vector[i] - scene->centre[i], -scene->exponent)
+                             : (float)-in->vector[i];
+        out->color[i] = in->color[i];
+    }
+}
+
+static gw_code upload_lights(gw_gl *device, const gw_scene *scene, gw_scene_buffers *out, gw_error *error) {
+    void *memory = NULL;
+    gw_code code =
+        gw_allocate(&memory, scene->light_count, sizeof(gw_gpu_light), "lights for the GPU", error);
+    if (code)
+        return code;
+    gw_gpu_light *lights = memory;
+    uint32_t at = 0;
+    for (int points = 0; points < 2; ++points)
+        for (uint32_t i = 0; i < scene->light_count; ++i)
+            if ((scene->lights[i].kind == GW_LIGHT_POINT) == points)
+                fill_light(scene, &scene->lights[i], &lights[at++]);
+    for (uint32_t i = 0; i < scene->light_count; ++i)
+        out->point_count += scene->lights[i].kind == GW_LIGHT_POINT;
+    out->directional_count = scene->light_count - out->point_count;
+    code = gw_gl_buffer_create(device, "lights", scene->light_count * sizeof *lights, lights, GL_RGBA32UI,
+                               &out->lights, error);
+    free(memory);
+    return code;
+}
+
+static gw_code upload_octree(gw_gl *device, const gw_octree *octree, gw_scene_buffers *out, gw_error *error) {
+    gw_code code = gw_gl_buffer_create(device, "octree nodes", octree->node_count * sizeof(gw_node),
+                                       octree->nodes, GL_RG32UI, &out->nodes, error);
+    if (!code)
+        code = gw_gl_buffer_create(device, "octree references", octree->reference_count * sizeof(uint32_t),
+                                   octree->references, GL_R32UI, &out->references, error);
+    if (!code)
+        code = gw_gl_buffer_create(device, "octree payload", octree->node_count * sizeof(gw_payload),
+                                   octree->payloads, GL_RGB32UI, &out->payloads, error);
+    return code;
+}
+
+gw_code gw_scene_buffers_init(gw_gl *device, const gw_scene *scene, const gw_octree *octree,
+                              gw_scene_buffers *out, gw_error *error) {
+    memset(out, 0, sizeof *out);
+    gw_code code = upload_octree(device, octree, out, error);
+    if (!code)
+        code = upload_triangles(device, scene, out, error);
+    if (!code)
+        code = upload_vertices(device, scene, out, error);
+    if (!code)
+        code = gw_texture_set_init(device, scene, &out->textures, error);
+    if (!code)
+        code = upload_materials(device, scene, out, error);
+    if (!code)
+        code = upload_lights(device, scene, out, error);
+    if (code)
+        gw_scene_buffers_finish(out);
+    return code;
+}
+
+void gw_scene_buffers_finish(gw_scene_buffers *buffers) {
+    gw_texture_set_finish(&buffers->textures);
+    gw_gl_buffer *all[] = {&buffers->nodes, &buffers->references, &buffers->triangles, &buffers->payloads,
+                           &buffers->faces, &buffers->vertices,   &buffers->materials, &buffers->lights};
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
+        gw_gl_buffer_finish(all[i]);
+    memset(buffers, 0, sizeof *buffers);
+}
+
+void gw_scene_buffers_bind(const gw_scene_buffers *buffers, uint32_t texture_filter) {
+    gw_gl_texture_bind(&buffers->nodes, 0);
+    gw_gl_texture_bind(&buffers->references, 1);
+    gw_gl_texture_bind(&buffers->triangles, 2);
+    gw_gl_texture_bind(&buffers->payloads, 3);
+    gw_gl_texture_bind(&buffers->faces, 4);
+    gw_gl_texture_bind(&buffers->vertices, 5);
+    gw_gl_texture_bind(&buffers->materials, 6);
+    gw_gl_texture_bind(&buffers->lights, 7);
+    gw_texture_set_bind(&buffers->textures, texture_filter, 8);
+}
+
+uint64_t gw_scene_buffers_bytes(const gw_scene_buffers *buffers) {
+    const gw_gl_buffer *all[] = {&buffers->nodes,     &buffers->references, &buffers->triangles,
+                                 &buffers->payloads,  &buffers->faces,      &buffers->vertices,
+                                 &buffers->materials, &buffers->lights};
+    uint64_t bytes = buffers->textures.bytes;
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
+        bytes += all[i]->size;
+    return bytes;
+}

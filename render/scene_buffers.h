@@ -1,0 +1,27 @@
+/* A scene and its octree on the GPU, in the form that tracing and shading read. Uploaded once; belongs to the
+ * thread of its GL device. */
+#ifndef GW_RENDER_SCENE_BUFFERS_H
+#define GW_RENDER_SCENE_BUFFERS_H
+
+#include "base/gl.h"
+#include "base/status.h"
+#include "build/octree.h"
+#include "build/scene.h"
+#include "render/texture_set.h"
+
+#include <stdint.h>
+
+typedef struct gw_scene_buffers {
+    gw_gl_buffer nodes, references, triangles, payloads, faces, vertices, materials, lights;
+    gw_texture_set textures;
+    uint32_t directional_count, point_count; /* lights, in this order in the buffer */
+} gw_scene_buffers;
+
+gw_code gw_scene_buffers_init(gw_gl *device, const gw_scene *scene, const gw_octree *octree,
+                              gw_scene_buffers *out, gw_error *error);
+void gw_scene_buffers_finish(gw_scene_buffers *buffers);
+/* Binds everything to the texture units that the shaders name (trace/fetch.glsl, shade/surface.glsl). */
+void gw_scene_buffers_bind(const gw_scene_buffers *buffers, uint32_t texture_filter);
+uint64_t gw_scene_buffers_bytes(const gw_scene_buffers *buffers);
+
+#endif

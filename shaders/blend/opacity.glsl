@@ -1,0 +1,57 @@
+// Front-to-back compositing along one ray, and the weights that blend octree levels.
+//
+// Opacities of adjacent cells are of one surface that passes through them: they add, up to 1. Where the ray leaves one
+// surface and meets another, what was left behind the first multiplies. Multiplying within a surface would let light
+// through walls: a ray that crosses a wall in two cells of half coverage each would see a quarter of what is behind.
+
+float transmittance;  // in front of the current group of cells
+float group_opacity;  // of the group so far
+float group_end;      // t at which its last cell ends
+
+// Less than this may remain of a ray before it counts as stopped; the rest is spread over what was met.
+#define OPAQUE_REMAINDER (1.0 / 512.0)
+
+float remaining() {
+    return transmittance * (1.0 - group_opacity);
+}
+
+void begin_group_if_apart(float entry) {
+    bool apart = entry > group_end * (1.0 + 1.0 / 262144.0);
+#ifdef MULTIPLY_OPACITY
+    apart = true; // the naive variant, for the test that shows why
+#endif
+    precise float left = transmittance * (1.0 - group_opacity);
+    transmittance = apart ? left : transmittance;
+    group_opacity = apart ? 0.0 : group_opacity;
+}
+
+// Adds one thing of the given opacity to the current group; the result is its weight in the pixel.
+float composite(float opacity) {
+    precise float added = min(opacity, 1.0 - group_opacity);
+    precise float weight = transmittance * added;
+    group_opacity += added;
+    return weight;
+}
+
+// Share of the children when a cell of side v stands for its contents at footprint f >= v / 2: 0 from f = v on, 1 at v / 2
+// (Weier et al. 2014, section 4: their weight i, written for the coarser cell).
+float children_share(float f, float v) {
+#ifdef LEVEL_BLEND
+    precise float i = clamp((v - f) / (0.5 * v), 0.0, 1.0);
+    return i;
+#else
+    return f >= v ? 0.0 : 1.0;
+#endif
+}
+
+// Share of the triangles in a leaf of side v: 1 below f = v / 2, 0 from f = v on.
+float triangles_share(float f, float v) {
+#ifdef VOXELS_ONLY
+    return 0.0;
+#elif defined(LEAF_BLEND)
+    precise float w = clamp((v - f) / (0.5 * v), 0.0, 1.0);
+    return w;
+#else
+    return f >= v ? 0.0 : 1.0;
+#endif
+}

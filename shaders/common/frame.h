@@ -1,0 +1,82 @@
+// What the renderer hands to its kernels, declared once for C (render/frame_block.h) and GLSL. Only 16-byte rows, so
+// that std140 and C agree. Needs common/shared.h before it.
+#ifndef GW_FRAME_H
+#define GW_FRAME_H
+
+#ifdef GW_HOST
+#define GW_VEC4(name) float name[4]
+#define GW_IVEC4(name) int32_t name[4]
+#define GW_UVEC4(name) uint32_t name[4]
+#else
+#define GW_VEC4(name) vec4 name
+#define GW_IVEC4(name) ivec4 name
+#define GW_UVEC4(name) uvec4 name
+#endif
+
+// One viewer's gaze in ray units (rebased space times ray_scale, axes of rebased space).
+GW_STRUCT_BEGIN(gw_viewer)
+GW_VEC4(eye);     // viewer's eye minus rendering eye; w: half-width of the ellipsoid, deg, age included
+GW_VEC4(right);   // unit; w: half-height, deg
+GW_VEC4(up);      // unit
+GW_VEC4(forward); // unit, along the gaze
+GW_STRUCT_END(gw_viewer)
+
+// One frame of one plane; chunk and slots change per dispatch.
+// Ray units: directions are (pixel - eye) in rebased space times a power of two that brings the plane near distance 1.
+GW_STRUCT_BEGIN(gw_frame_block)
+GW_VEC4(eye);        // rebased; w: metres of scene per rebased unit
+GW_VEC4(corner);     // plane's corner minus eye, ray units
+GW_VEC4(step_x);     // ray units per pixel
+GW_VEC4(step_y);
+GW_VEC4(accuracy);   // tau, tau_inside, gaze_blend deg, gaze_margin deg
+GW_VEC4(acuity);     // slope, smallest period deg, 0, 0
+GW_VEC4(background); // linear radiance; w 0
+GW_VEC4(ambient);    // linear irradiance; w 0
+GW_IVEC4(window);    // rectangle: x and y of its first pixel, x and y past its last
+GW_IVEC4(chunk);     // first block's x and y (pixels, multiples of 8), blocks per row, number of blocks
+GW_UVEC4(counts);    // viewers, directional lights, point lights, 0
+GW_UVEC4(level_begin[4]); // first node of each octree level, 16 entries; unused ones are 0xffffffff
+gw_viewer viewers[GW_MAXIMUM_VIEWERS];
+GW_STRUCT_END(gw_frame_block)
+
+// Material, 3 texels of a buffer texture. words: base-colour texture or GW_NO_TEXTURE; flags; bits of the alpha cutoff;
+// bits of roughness.
+#define GW_NO_TEXTURE 0xffffffffu
+#define GW_MATERIAL_MASK 1u
+#define GW_MATERIAL_BLEND 2u
+GW_STRUCT_BEGIN(gw_gpu_material)
+GW_VEC4(base_color); // linear, alpha last
+GW_VEC4(emissive);   // linear radiance; w: metalness
+GW_UVEC4(words);
+GW_STRUCT_END(gw_gpu_material)
+// A material's texture word: class (bits 0-3), layer (4-19), wrap of u (20-21) and v (22-23) as gw_wrap.
+#define GW_TEXTURE_CLASS(word) ((word) & 0xfu)
+#define GW_TEXTURE_LAYER(word) (((word) >> 4) & 0xffffu)
+#define GW_TEXTURE_WRAP_U(word) (((word) >> 20) & 3u)
+#define GW_TEXTURE_WRAP_V(word) (((word) >> 22) & 3u)
+#define GW_MAXIMUM_TEXTURE_CLASSES 4
+
+// Light, 2 texels. vector: unit direction towards the light, or position in rebased space; color: irradiance (at 1 m).
+GW_STRUCT_BEGIN(gw_gpu_light)
+GW_VEC4(vector);
+GW_VEC4(color);
+GW_STRUCT_END(gw_gpu_light)
+
+// First word of a triangle's first fourth component, in the renderer's copy.
+#define GW_TRIANGLE_ALPHA 1u // its material masks or blends: what it covers is decided where it is hit
+
+// What one ray met, 3 words: triangle id, or node index with GW_FRAGMENT_VOXEL; t; weight 0..1.
+#define GW_FRAGMENT_VOXEL 0x80000000u
+#define GW_FRAGMENT_WORDS 3u
+// Status of a ray: fragments written by the last dispatch (bits 0-7) and flags.
+#define GW_STATUS_COUNT(status) ((status) & 0xffu)
+#define GW_STATUS_SUSPENDED 0x100u   // another dispatch goes on with this ray
+#define GW_STATUS_PROVISIONAL 0x200u // the last fragment's weight is its opacity before alpha
+#define GW_STATUS_OUTSIDE 0x400u     // no pixel of the rectangle
+
+// A suspended ray's state (trace/state.glsl), in words; shading needs to know where its transmittance and group opacity are.
+#define GW_STATE_WORDS 14u
+#define GW_STATE_TRANSMITTANCE 8u
+// Totals of one chunk: cap hits, NaN pixels, length of the queue.
+#define GW_TOTAL_WORDS 4
+#endif

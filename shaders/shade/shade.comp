@@ -1,0 +1,130 @@
+// Fragments to pixels: each is lit and added with its weight; pixels whose ray is done are encoded, rays that go on are
+// queued with what has been added so far.
+//
+// variants: OCTREE_DEPTH=11; OCTREE_DEPTH=11 LOD=1 GAZE=1 TEXTURES=1 TEXTURE_CLASSES=4 SMOOTH_NORMALS=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 ALPHA=1 RESUME=1 VERTEX_COLORS=1 EMISSIVE=1 POINT_LIGHTS=1 DIRECTIONAL_LIGHTS=1 COUNT=1
+// variants: OCTREE_DEPTH=11 DEBUG_VIEW=1; OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=2; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=4
+#ifndef OCTREE_DEPTH
+#define OCTREE_DEPTH 11
+#endif
+#ifndef FRAGMENTS
+#define FRAGMENTS 1u
+#endif
+#ifndef DEBUG_VIEW
+#define DEBUG_VIEW 0
+#endif
+#ifndef TEXTURE_CLASSES
+#define TEXTURE_CLASSES 0
+#endif
+layout(local_size_x = 64) in;
+#include "common/frame_block.glsl"
+uniform uint group_base;
+layout(std430, binding = 0) readonly buffer Fragments { uint fragments[]; };
+layout(std430, binding = 1) readonly buffer Statuses { uvec2 statuses[]; };
+#ifdef ALPHA
+layout(std430, binding = 2) buffer States { uint states[]; };
+#endif
+layout(std430, binding = 3) buffer Totals { uint totals[]; };
+layout(std430, binding = 4) readonly buffer Queue { uint queue[]; };
+layout(std430, binding = 5) writeonly buffer NextQueue { uint next_queue[]; };
+#ifdef COUNT
+layout(std430, binding = 6) readonly buffer Work { uvec4 work_of[]; };
+#endif
+layout(std430, binding = 7) buffer Sums { vec4 sums[]; };
+layout(std430, binding = 8) writeonly buffer Pixels { uint pixels[]; };
+#ifdef RESUME
+layout(location = 0) uniform uint queue_length;
+#endif
+#include "trace/fetch.glsl"
+#include "trace/pixel.glsl"
+#include "blend/opacity.glsl"
+#include "shade/surface.glsl"
+#include "shade/lights.glsl"
+#include "shade/debug_view.glsl"
+
+#ifdef ALPHA
+// The last fragment's opacity was not known when it was traced: the ray's own bookkeeping is brought up to date here.
+// Returns the fragment's weight; left is what remains of the ray.
+float composite_provisional(uint slot, float opacity, inout float left) {
+    uint at = slot * GW_STATE_WORDS + GW_STATE_TRANSMITTANCE;
+    transmittance = uintBitsToFloat(states[at]);
+    group_opacity = uintBitsToFloat(states[at + 1u]);
+    float weight = composite(opacity);
+    states[at + 1u] = floatBitsToUint(group_opacity);
+    left = remaining();
+    return weight;
+}
+#endif
+
+vec3 finish(vec3 sum, float left) {
+    if (left >= OPAQUE_REMAINDER)
+        return sum + left * frame.background.rgb;
+    return sum / (1.0 - left);
+}
+
+uint encode(vec3 color) {
+    uvec3 bytes = uvec3(srgb_encode(color) * 255.0 + 0.5);
+    return bytes.r | (bytes.g << 8) | (bytes.b << 16) | 0xff000000u;
+}
+
+void main() {
+    uint at = (group_base + gl_WorkGroupID.x) * 64u + gl_LocalInvocationIndex;
+#ifdef RESUME
+    bool present = at < queue_length;
+    uint slot = queue[present ? at : 0u];
+#else
+    bool present = true;
+    uint slot = at;
+#endif
+    uvec2 status = statuses[slot];
+    if (!present || (status.x & GW_STATUS_OUTSIDE) != 0u)
+        return;
+    Pixel_ray ray = ray_of_pixel(pixel_of_slot(slot));
+    vec3 view = -normalize(ray.direction);
+    uint count = GW_STATUS_COUNT(status.x);
+    float left = uintBitsToFloat(status.y);
+    bool suspended = (status.x & GW_STATUS_SUSPENDED) != 0u;
+    precise vec3 sum = vec3(0.0);
+#ifdef RESUME
+    sum = sums[slot].rgb;
+#endif
+    for (uint i = 0u; i < count; ++i) {
+        uint word = (slot * FRAGMENTS + i) * GW_FRAGMENT_WORDS;
+        uint id = fragments[word];
+        float t = uintBitsToFloat(fragments[word + 1u]);
+        float weight = uintBitsToFloat(fragments[word + 2u]);
+#ifdef LOD
+        bool voxel = (id & GW_FRAGMENT_VOXEL) != 0u;
+        Surface surface = surface_of_triangle(voxel ? 0u : id, t, frame.eye.xyz, ray.direction, ray.width * t);
+        Surface other = surface_of_voxel(voxel ? id & ~GW_FRAGMENT_VOXEL : 0u, t, frame.eye.xyz, ray.direction);
+        if (voxel)
+            surface = other;
+#else
+        Surface surface = surface_of_triangle(id, t, frame.eye.xyz, ray.direction, ray.width * t);
+#endif
+#ifdef ALPHA
+        if (i + 1u == count && (status.x & GW_STATUS_PROVISIONAL) != 0u) {
+            weight = composite_provisional(slot, weight * surface.alpha, left);
+            suspended = suspended && left >= OPAQUE_REMAINDER;
+        }
+#endif
+        precise vec3 lit = light_surface(surface, view);
+        sum += weight * debug_fragment(lit, surface, id);
+    }
+    if (suspended) {
+        sums[slot] = vec4(sum, 0.0);
+        next_queue[atomicAdd(totals[2], 1u)] = slot;
+        return;
+    }
+    vec3 color = finish(sum, left);
+    float steps = 0.0;
+#ifdef COUNT
+    steps = float(work_of[slot].x);
+#endif
+    color = debug_pixel(color, ray, steps);
+    if (!all(lessThan(abs(color), vec3(1e30)))) {
+        atomicAdd(totals[1], 1u);
+        color = frame.background.rgb;
+    }
+    pixels[slot] = encode(color);
+}

@@ -1,0 +1,122 @@
+// From a fragment to the surface that is lit: a triangle at its hit, or a voxel.
+#include "common/color.glsl"
+#include "common/payload.glsl"
+#include "shade/brdf.glsl"
+#ifdef TEXTURES
+#include "shade/texture.glsl"
+#endif
+
+layout(binding = 4) uniform usamplerBuffer faces;     // three vertices, material
+layout(binding = 5) uniform usamplerBuffer vertices;  // normal, u, v, color
+layout(binding = 6) uniform usamplerBuffer materials; // gw_gpu_material
+
+#define NO_NORMAL 0xffffffffu
+
+vec3 vertex_normal(uint word) {
+    vec2 square = vec2(word & 0xffffu, word >> 16) * (2.0 / 65534.0) - 1.0;
+    return octahedral_decode(square);
+}
+
+vec4 vertex_color(uint word) {
+    return word == 0xffffffffu ? vec4(1.0) : unpackUnorm4x8(word);
+}
+
+// The geometric normal on the ray's side, and how much texture a unit of surface holds.
+struct Corner_weights {
+    vec3 weights; // of the triangle's vertices at the hit
+    vec3 normal;
+    float doubled_area;
+};
+
+Corner_weights weights_at(uint triangle, float t, vec3 origin, vec3 direction) {
+    vec3 a = uintBitsToFloat(TRIANGLE(triangle, 0).xyz);
+    vec3 b = uintBitsToFloat(TRIANGLE(triangle, 1).xyz);
+    vec3 c = uintBitsToFloat(TRIANGLE(triangle, 2).xyz);
+    precise vec3 ab = b - a, ac = c - a;
+    precise vec3 hit = (origin - a) + direction * t;
+    precise vec3 normal = cross(ab, ac);
+    float area = length_precise(normal);
+    vec3 unit = area > 0.0 ? normal / area : -normalize(direction);
+    precise float of_b = area > 0.0 ? dot(cross(hit, ac), unit) / area : 0.0;
+    precise float of_c = area > 0.0 ? dot(cross(ab, hit), unit) / area : 0.0;
+    of_b = clamp(of_b, 0.0, 1.0);
+    of_c = clamp(of_c, 0.0, 1.0 - of_b);
+    Corner_weights result;
+    result.weights = vec3(1.0 - of_b - of_c, of_b, of_c);
+    result.normal = dot(unit, direction) > 0.0 ? -unit : unit;
+    result.doubled_area = area;
+    return result;
+}
+
+Surface surface_of_triangle(uint triangle, float t, vec3 origin, vec3 direction, float footprint) {
+    Corner_weights corner = weights_at(triangle, t, origin, direction);
+    uvec4 face = texelFetch(faces, int(triangle));
+    uvec4 va = texelFetch(vertices, int(face.x)), vb = texelFetch(vertices, int(face.y)), vc = texelFetch(vertices, int(face.z));
+    int material = int(face.w) * 3;
+    vec4 base = uintBitsToFloat(texelFetch(materials, material));
+    vec4 emissive = uintBitsToFloat(texelFetch(materials, material + 1));
+    uvec4 words = texelFetch(materials, material + 2);
+
+    Surface surface;
+    surface.position = origin + direction * t;
+    surface.normal = corner.normal;
+#ifdef SMOOTH_NORMALS
+    precise vec3 smooth_normal = vertex_normal(va.x) * corner.weights.x + vertex_normal(vb.x) * corner.weights.y +
+                                 vertex_normal(vc.x) * corner.weights.z;
+    float size = length_precise(smooth_normal);
+    bool has = va.x != NO_NORMAL && vb.x != NO_NORMAL && vc.x != NO_NORMAL && size > 1e-4;
+    vec3 shading = has ? smooth_normal / max(size, 1e-4) : corner.normal;
+    surface.normal = dot(shading, corner.normal) < 0.0 ? -shading : shading;
+#endif
+#ifdef VERTEX_COLORS
+    base *= vertex_color(va.w) * corner.weights.x + vertex_color(vb.w) * corner.weights.y +
+            vertex_color(vc.w) * corner.weights.z;
+#endif
+#ifdef TEXTURES
+    vec2 uva = uintBitsToFloat(va.yz), uvb = uintBitsToFloat(vb.yz), uvc = uintBitsToFloat(vc.yz);
+    precise vec2 uv = uva * corner.weights.x + uvb * corner.weights.y + uvc * corner.weights.z;
+    vec2 u_side = uvb - uva, v_side = uvc - uva;
+    precise float texture_area = abs(u_side.x * v_side.y - u_side.y * v_side.x);
+    float density = corner.doubled_area > 0.0 ? texture_area / corner.doubled_area : 0.0;
+    // Tilted away from the ray, a surface meets a footprint that is longer by 1 / |n.d|; the mean of both axes is used.
+    float facing = max(abs(dot(corner.normal, normalize(direction))), 1.0 / 16.0);
+    base *= sample_texture(words.x, uv, footprint * inversesqrt(facing), density);
+#endif
+    surface.base_color = base.rgb;
+    surface.metalness = emissive.w;
+    surface.roughness = uintBitsToFloat(words.w);
+    surface.agreement = 1.0;
+    surface.emissive = vec3(0.0);
+#ifdef EMISSIVE
+    surface.emissive = emissive.rgb;
+#endif
+    surface.alpha = 1.0;
+#ifdef ALPHA
+    float cutoff = uintBitsToFloat(words.z);
+    surface.alpha = (words.y & GW_MATERIAL_BLEND) != 0u ? base.a
+                    : (words.y & GW_MATERIAL_MASK) != 0u ? (base.a >= cutoff ? 1.0 : 0.0) : 1.0;
+#endif
+    return surface;
+}
+
+#ifdef LOD
+Surface surface_of_voxel(uint node, float t, vec3 origin, vec3 direction) {
+    uvec3 payload = PAYLOAD(node);
+    Surface surface;
+    surface.position = origin + direction * t;
+    vec3 towards = -normalize(direction);
+    vec3 normal = payload_normal(payload);
+    normal = dot(normal, towards) < 0.0 ? -normal : normal;
+    surface.normal = (payload.x & GW_PAYLOAD_NO_NORMAL) != 0u ? towards : normal;
+    surface.base_color = srgb_decode(vec3(payload.x & 0x3ffu, (payload.x >> 10) & 0x3ffu, (payload.x >> 20) & 0x3ffu) *
+                                     (1.0 / 1023.0));
+    surface.agreement = payload_agreement(payload);
+    surface.metalness = float(payload.z >> 24) * (1.0 / 255.0);
+    // Normals that disagree widen the highlight as roughness does (after Toksvig 2005).
+    float roughness = float((payload.z >> 16) & 0xffu) * (1.0 / 255.0);
+    surface.roughness = sqrt(min(roughness * roughness + 0.5 * (1.0 - surface.agreement), 1.0));
+    surface.emissive = vec3(0.0);
+    surface.alpha = 1.0;
+    return surface;
+}
+#endif

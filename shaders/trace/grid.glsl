@@ -1,0 +1,113 @@
+// Walking a ray through octree cells. Grid units: g = (p + 1) * 2^(OCTREE_DEPTH - 1), finest cell = 1; the ray is mirrored
+// so that no component of its direction is negative; a cell of scale s has side 2^s and is named by any finest cell in it.
+// Cells are stepped in integers: the exit axis is set exactly and the others are clamped to the cell, so that every step
+// reaches another cell and rounding can never stall or loop.
+#include "trace/fetch.glsl"
+#include "trace/stack.glsl"
+#include "trace/triangle.glsl"
+
+const int GRID_SIDE = 1 << OCTREE_DEPTH;
+const float GRID_HALF = float(1 << (OCTREE_DEPTH - 1));
+
+vec3 grid_origin, grid_direction, grid_inverse;
+uint mirror;      // bit per axis
+ivec3 cell;       // finest cell in which the ray stands
+float cell_entry; // t at which it got there
+float root_exit;
+int scale;      // of the node whose children come next
+uint node_word; // that node: link << 8 | valid mask, or its index with WIDE_NODES
+bool in_root;
+
+#define SCALE_ABOVE_ROOT (OCTREE_DEPTH + 1)
+
+// link << 8 | valid mask fits 2^24 nodes; larger octrees keep the node's index and fetch it again.
+#ifdef WIDE_NODES
+uint node_word_of(uint index, uvec2 node) {
+    return index;
+}
+uint child_at(uint word, uint octant, out bool valid) {
+    bool above = word == GW_NO_TRIANGLE;
+    uvec2 node = NODE(above ? 0u : word);
+    uint mask = above ? 0xffu : GW_NODE_VALID(node.y);
+    valid = ((mask >> octant) & 1u) != 0u;
+    return above ? 0u : node.x + uint(bitCount(mask & ((1u << octant) - 1u)));
+}
+#define WORD_ABOVE_ROOT GW_NO_TRIANGLE
+#else
+uint node_word_of(uint index, uvec2 node) {
+    return (node.x << 8) | GW_NODE_VALID(node.y);
+}
+uint child_at(uint word, uint octant, out bool valid) {
+    valid = ((word >> octant) & 1u) != 0u;
+    return (word >> 8) + uint(bitCount(word & ((1u << octant) - 1u)));
+}
+// A node above the root whose only child, in the octant that the mirrored ray sees first, is node 0.
+#define WORD_ABOVE_ROOT (1u << mirror)
+#endif
+
+// Octant of the ray's cell among the children of scale s.
+uint octant_at(int s) {
+    ivec3 bits = (cell >> s) & 1;
+    return uint(bits.x | (bits.y << 1) | (bits.z << 2)) ^ mirror;
+}
+
+void restart() {
+    scale = SCALE_ABOVE_ROOT;
+    node_word = WORD_ABOVE_ROOT;
+}
+
+// Brings the ray to the root cube; false if it never meets it. Components of the direction are clamped away from zero for
+// stepping only, relative to the largest, so that divisions stay finite; not-a-number and infinite rays never enter.
+bool enter_root(float minimum) {
+    vec3 size = abs(ray_direction);
+    float largest = max(size.x, max(size.y, size.z));
+    bool finite = all(lessThan(abs(ray_origin), vec3(1e30))) && largest < 1e30 && largest > 1e-30 &&
+                  size.x < 1e30 && size.y < 1e30 && size.z < 1e30;
+    bvec3 negative = lessThan(ray_direction, vec3(0.0));
+    precise vec3 mirrored = mix(ray_origin, -ray_origin, negative);
+    grid_origin = (mirrored + 1.0) * GRID_HALF;
+    grid_direction = max(size, vec3(largest * 1e-12)) * GRID_HALF;
+    precise vec3 inverse = 1.0 / grid_direction;
+    grid_inverse = inverse;
+    mirror = uint(negative.x) | (uint(negative.y) << 1) | (uint(negative.z) << 2);
+
+    precise vec3 entries = -grid_origin * grid_inverse;
+    precise vec3 exits = (float(GRID_SIDE) - grid_origin) * grid_inverse;
+    // Widened by more than the rounding of the two operations above.
+    const float widen = 1.0 / 1048576.0;
+    float entry = max(entries.x, max(entries.y, entries.z));
+    float leave = min(exits.x, min(exits.y, exits.z));
+    entry = entry - abs(entry) * widen;
+    root_exit = leave + abs(leave) * widen;
+    cell_entry = max(entry, max(minimum, 0.0));
+    precise vec3 start = grid_origin + grid_direction * cell_entry;
+    cell = ivec3(clamp(start, vec3(0.0), vec3(float(GRID_SIDE - 1))));
+    restart();
+    in_root = finite && cell_entry <= root_exit;
+    return in_root;
+}
+
+// t at which the ray leaves its cell of scale s.
+float exit_of(int s) {
+    ivec3 upper = ((cell >> s) + 1) << s;
+    precise vec3 planes = (vec3(upper) - grid_origin) * grid_inverse;
+    return min(planes.x, min(planes.y, planes.z));
+}
+
+// Leaves the cell of scale s and returns to the smallest common ancestor of it and the next cell, found by the highest
+// differing bit.
+void advance(int s) {
+    ivec3 upper = ((cell >> s) + 1) << s;
+    precise vec3 planes = (vec3(upper) - grid_origin) * grid_inverse;
+    float leave = min(planes.x, min(planes.y, planes.z));
+    precise vec3 at = grid_origin + grid_direction * leave;
+    ivec3 next = min(max(ivec3(at), cell), upper - 1);
+    next = mix(next, upper, lessThanEqual(planes, vec3(leave)));
+    ivec3 changed = cell ^ next;
+    int highest = findMSB(changed.x | changed.y | changed.z);
+    cell = next;
+    cell_entry = leave;
+    in_root = highest < OCTREE_DEPTH;
+    scale = highest + 1;
+    node_word = stack_pop(scale);
+}

@@ -1,0 +1,51 @@
+// Primary rays. A ray is a function of the plane and the wall-global pixel only: the same bits in whatever rectangle and
+// dispatch it is traced. Blocks of 8 x 8 pixels stand at wall-global multiples of 8; lanes run in Morton order.
+#include "common/small_math.glsl"
+#ifdef GAZE
+#include "trace/gaze.glsl"
+#endif
+
+struct Pixel_ray {
+    vec3 direction; // t = 1 on the wall's plane, in ray units
+    float width;    // footprint per unit of t, ray units
+    float tau;      // footprints
+};
+
+ivec2 pixel_of_slot(uint slot) {
+    uint block = slot >> 6, lane = slot & 63u;
+    uint per_row = uint(frame.chunk.z);
+    ivec2 first = frame.chunk.xy + 8 * ivec2(block % per_row, block / per_row);
+    return first + ivec2((lane & 1u) | ((lane >> 1) & 2u) | ((lane >> 2) & 4u),
+                         ((lane >> 1) & 1u) | ((lane >> 2) & 2u) | ((lane >> 3) & 4u));
+}
+
+bool in_window(ivec2 pixel) {
+    return all(greaterThanEqual(pixel, frame.window.xy)) && all(lessThan(pixel, frame.window.zw));
+}
+
+// Width of a pixel's step as seen along the ray.
+float width_across(vec3 pixel_step, vec3 direction, float inverse_squared) {
+    precise float along = dot(pixel_step, direction) * inverse_squared;
+    precise vec3 across = pixel_step - direction * along;
+    return length_precise(across);
+}
+
+Pixel_ray ray_of_pixel(ivec2 pixel) {
+    Pixel_ray ray;
+    precise vec2 centre = vec2(pixel) + 0.5;
+    precise vec3 direction = frame.corner.xyz + frame.step_x.xyz * centre.x + frame.step_y.xyz * centre.y;
+    ray.direction = direction;
+    precise float inverse_squared =
+        1.0 / max(direction.x * direction.x + direction.y * direction.y + direction.z * direction.z, 1e-30);
+    ray.width = max(width_across(frame.step_x.xyz, direction, inverse_squared),
+                    width_across(frame.step_y.xyz, direction, inverse_squared));
+    ray.tau = frame.accuracy.y;
+#ifdef GAZE
+    if (frame.counts.x > 0u) {
+        Acuity acuity = acuity_at(direction);
+        ray.tau = acuity.tau;
+        ray.width = max(ray.width, acuity.width);
+    }
+#endif
+    return ray;
+}

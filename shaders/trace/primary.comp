@@ -1,0 +1,154 @@
+// One ray per pixel of a chunk: octree traversal, what was met becomes fragments for shade/shade.comp.
+// With RESUME the rays of a queue, suspended by an earlier dispatch, go on.
+//
+// variants: OCTREE_DEPTH=11; OCTREE_DEPTH=11 LOD=1 GAZE=1 LEVEL_BLEND=1 LEAF_BLEND=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=15 ALPHA=1 COUNT=1 WIDE_NODES=1 DOUBLE_EDGES=1 RESUME=1
+// variants: OCTREE_DEPTH=9 LOD=1 ALPHA=1 COUNT=1 RESUME=1 VOXELS_ONLY=1 FRAGMENTS=8u
+#ifndef OCTREE_DEPTH
+#define OCTREE_DEPTH 11
+#endif
+#ifndef FRAGMENTS
+#define FRAGMENTS 1u
+#endif
+layout(local_size_x = 64) in;
+#include "common/frame_block.glsl"
+uniform uint group_base;
+layout(std430, binding = 0) writeonly buffer Fragments { uint fragments[]; };
+layout(std430, binding = 1) writeonly buffer Statuses { uvec2 statuses[]; }; // status, bits of what remains of the ray
+layout(std430, binding = 3) buffer Totals { uint totals[]; };                // cap hits, NaN pixels, queue length
+#ifdef RESUME
+layout(std430, binding = 4) readonly buffer Queue { uint queue[]; };
+layout(location = 0) uniform uint queue_length;
+#endif
+#ifdef COUNT
+layout(std430, binding = 6) buffer Work { uvec4 work_of[]; };
+#endif
+uint ray_slot;
+#include "trace/pixel.glsl"
+#include "trace/walk.glsl"
+#include "blend/opacity.glsl"
+#include "common/payload.glsl"
+#ifdef LOD
+#include "trace/traverse_lod.glsl"
+#else
+#include "trace/traverse_exact.glsl"
+#endif
+#include "trace/state.glsl"
+
+const float NO_HIT = 1e30;
+
+void begin(Pixel_ray ray) {
+    hit_t = NO_HIT;
+    hit_triangle = GW_NO_TRIANGLE;
+    floor_t = 0.0;
+    floor_triangle = GW_NO_TRIANGLE;
+    iterations = 0u;
+    list_cursor = 0u;
+#ifdef COUNT
+    work = uvec4(0u);
+#endif
+#ifdef ALPHA
+    hit_flags = 0u;
+#endif
+#if defined(LOD) || defined(ALPHA)
+    transmittance = 1.0;
+    group_opacity = 0.0;
+    group_end = -1.0;
+#endif
+#ifdef LOD
+    precise float slope = ray.tau * ray.width * GRID_HALF;
+    lod_slope = slope;
+    voxel_scale = 0;
+    force_scale = NEVER_FORCED;
+    child_share = 0.0;
+    leaf_share = 1.0;
+    leaf_again = false;
+    fragment_count = 0u;
+    ray_maximum = NO_HIT;
+#endif
+}
+
+#ifndef LOD
+// The nearest hit becomes the one fragment; returns the status.
+uint emit_nearest() {
+    if (hit_triangle == GW_NO_TRIANGLE)
+        return 0u;
+    uint at = ray_slot * GW_FRAGMENT_WORDS;
+    fragments[at] = hit_triangle;
+    fragments[at + 1u] = floatBitsToUint(hit_t);
+    fragments[at + 2u] = floatBitsToUint(1.0);
+    uint status = 1u;
+#ifdef ALPHA
+    begin_group_if_apart(hit_t);
+    if ((hit_flags & GW_TRIANGLE_ALPHA) != 0u) {
+        floor_t = hit_t;
+        floor_triangle = hit_triangle;
+        hit_t = NO_HIT;
+        hit_triangle = GW_NO_TRIANGLE;
+        cell = leaf_cell;
+        cell_entry = leaf_entry;
+        return status | GW_STATUS_PROVISIONAL | GW_STATUS_SUSPENDED;
+    }
+    fragments[at + 2u] = floatBitsToUint(composite(1.0));
+#endif
+    return status;
+}
+#endif
+
+void main() {
+#ifdef RESUME
+    uint at = (group_base + gl_WorkGroupID.x) * 64u + gl_LocalInvocationIndex;
+    bool present = at < queue_length;
+    ray_slot = queue[present ? at : 0u];
+#else
+    ray_slot = (group_base + gl_WorkGroupID.x) * 64u + gl_LocalInvocationIndex;
+    bool present = true;
+#endif
+    ivec2 pixel = pixel_of_slot(ray_slot);
+    present = present && in_window(pixel);
+    if (!present) {
+#ifndef RESUME
+        statuses[ray_slot] = uvec2(GW_STATUS_OUTSIDE, 0u);
+#endif
+        return;
+    }
+    Pixel_ray ray = ray_of_pixel(pixel);
+    set_ray(frame.eye.xyz, ray.direction);
+    begin(ray);
+    walking = enter_root(0.0);
+#ifdef RESUME
+    in_root = true;
+    state_load(ray_slot);
+    walking = true;
+#endif
+    traverse();
+
+    uint status = 0u;
+#ifdef LOD
+    bool stopped = provisional || fragments_full() || iterations >= LOOP_BUDGET;
+    bool cut = walking && !stopped; // the driver ended a loop
+    walking = walking && stopped;
+    status = fragment_count | (walking ? GW_STATUS_SUSPENDED : 0u) | (provisional ? GW_STATUS_PROVISIONAL : 0u);
+    float left = remaining();
+#else
+    bool cut = walking && iterations < LOOP_BUDGET; // the driver ended a loop
+    walking = walking && !cut;
+    status = walking ? GW_STATUS_SUSPENDED : emit_nearest();
+#ifdef ALPHA
+    float left = remaining();
+#else
+    float left = (status & 1u) != 0u ? 0.0 : 1.0;
+#endif
+#endif
+    if (cut)
+        atomicAdd(totals[0], 1u);
+    if ((status & (GW_STATUS_SUSPENDED | GW_STATUS_PROVISIONAL)) != 0u)
+        state_save(ray_slot);
+    statuses[ray_slot] = uvec2(status, floatBitsToUint(left));
+#ifdef COUNT
+#ifdef RESUME
+    work += work_of[ray_slot];
+#endif
+    work_of[ray_slot] = work;
+#endif
+}

@@ -1,0 +1,145 @@
+// Triangles and voxels along one ray, composited front to back. What is met becomes fragments; shading is another kernel,
+// so this loop stays small.
+//
+// f' = lod_slope * t, in grid units, is decided once per cell, at its entry. An inner cell of side v with f' >= v / 2 stands
+// for its contents: its voxel is composited, and below v also each child crossed, with complementary shares (voxel mode,
+// which ends where the cell ends). A leaf blends its triangles with its voxel over the same range. A hit belongs to the
+// cell in which it lies: one that lies in a cell shown as a voxel is part of that voxel and is dropped with it.
+// Needs trace/walk.glsl, blend/opacity.glsl and common/payload.glsl before it.
+
+bool walking;
+float lod_slope;          // grid units of accepted error per unit of t
+int voxel_scale;          // scale of the cell in voxel mode, 0: none
+float child_share;        // what its children count
+float leaf_share;         // opacity of the triangles of the last leaf
+bool leaf_again;          // the leaf ahead has had its voxel composited: only its triangles count now
+int force_scale;          // when resuming: cells of this scale and above were already found to be walked into
+float ray_maximum;
+uint fragment_count;
+bool provisional; // the last fragment awaits its alpha
+
+#define NEVER_FORCED 99
+
+// An iteration of the outer loop emits two fragments at most: a voxel and a triangle.
+bool fragments_full() {
+    return fragment_count + 2u > FRAGMENTS;
+}
+
+void emit(uint id, float t, float weight) {
+    uint at = (ray_slot * FRAGMENTS + fragment_count) * GW_FRAGMENT_WORDS;
+    fragments[at] = id;
+    fragments[at + 1u] = floatBitsToUint(t);
+    fragments[at + 2u] = floatBitsToUint(weight);
+    ++fragment_count;
+}
+
+void emit_voxel(uint index, float share, float leave) {
+    uvec3 payload = PAYLOAD(index);
+    precise float opacity = share * payload_coverage(payload, ray_direction);
+    begin_group_if_apart(cell_entry);
+    float weight = composite(opacity);
+    group_end = max(group_end, leave);
+    COUNT_VOXEL();
+    if (weight > 0.0)
+        emit(index | GW_FRAGMENT_VOXEL, cell_entry, weight);
+}
+
+// The nearest hit is confirmed: it becomes a fragment, and what remains of the ray looks for the next one behind it.
+void emit_hit() {
+    begin_group_if_apart(hit_t);
+#ifdef ALPHA
+    provisional = (hit_flags & GW_TRIANGLE_ALPHA) != 0u;
+    float weight = leaf_share;
+    if (!provisional)
+        weight = composite(leaf_share);
+#else
+    float weight = composite(leaf_share);
+#endif
+    emit(hit_triangle, hit_t, weight);
+    floor_t = hit_t;
+    floor_triangle = hit_triangle;
+    hit_t = ray_maximum;
+    hit_triangle = GW_NO_TRIANGLE;
+}
+
+void step_on(int s) {
+    advance(s);
+    voxel_scale = scale > voxel_scale ? 0 : voxel_scale;
+    force_scale = NEVER_FORCED;
+}
+
+void traverse() {
+    bool suspend = false;
+    provisional = false;
+    while (walking && !suspend) {
+        ++iterations;
+        uvec2 node = uvec2(0u);
+        uint index = 0u;
+        bool met = false;
+        while (in_root && !met && (hit_t > cell_entry || leaf_again) && iterations < LOOP_BUDGET) {
+            ++iterations;
+            COUNT_STEP();
+            int child_scale = scale - 1;
+            bool valid;
+            index = child_at(node_word, octant_at(child_scale), valid);
+            COUNT_NODE(valid);
+            if (valid) {
+                node = NODE(index);
+                bool coarse = lod_slope * cell_entry >= 0.5 * float(1 << child_scale) && child_scale < force_scale;
+                met = coarse || scale == voxel_scale || GW_NODE_KIND(node.y) != GW_KIND_INNER;
+                if (!met) {
+                    scale = child_scale;
+                    node_word = node_word_of(index, node);
+                    stack_push(child_scale, node_word);
+                }
+            } else {
+                step_on(child_scale);
+            }
+        }
+
+        int child_scale = scale - 1;
+        bool leave_cell = false;
+        if (met) {
+            float side = float(1 << child_scale);
+            precise float footprint = lod_slope * cell_entry;
+            bool leaf = GW_NODE_KIND(node.y) != GW_KIND_INNER;
+            bool child_of_voxel = scale == voxel_scale;
+            float triangles = leaf && !child_of_voxel ? triangles_share(footprint, side) : 0.0;
+            float children = leaf || child_of_voxel ? 0.0 : children_share(footprint, side);
+            float share = child_of_voxel ? child_share : 1.0 - max(triangles, children);
+            float leave = exit_of(child_scale);
+            if (share > 0.0 && !leaf_again)
+                emit_voxel(index, share, leave);
+            leaf_again = false;
+            leave_cell = true;
+            if (children > 0.0) {
+                voxel_scale = child_scale;
+                child_share = children;
+                scale = child_scale;
+                node_word = node_word_of(index, node);
+                stack_push(child_scale, node_word);
+                leave_cell = false;
+            }
+            if (triangles > 0.0) {
+                leaf_share = triangles;
+                list_cursor = list_cursor == 0u ? node.x : list_cursor;
+                test_leaf(node);
+                list_cursor = list_ended ? 0u : list_cursor;
+                // A confirmed hit leaves the ray in this leaf, to look behind it; an unfinished list is gone on with.
+                leaf_again = !list_ended || hit_t <= leave;
+                leave_cell = !leaf_again;
+            } else if (hit_t <= leave) {
+                hit_t = ray_maximum; // part of the voxel
+                hit_triangle = GW_NO_TRIANGLE;
+            }
+            if (leaf_again && list_ended)
+                emit_hit();
+        } else if (!leaf_again && (hit_t <= cell_entry || !in_root) && hit_triangle != GW_NO_TRIANGLE) {
+            emit_hit();
+        }
+        if (leave_cell)
+            step_on(child_scale);
+        walking = (in_root || hit_triangle != GW_NO_TRIANGLE) && remaining() >= OPAQUE_REMAINDER;
+        suspend = walking && (provisional || fragments_full() || iterations >= LOOP_BUDGET);
+    }
+}

@@ -1,0 +1,85 @@
+// The ray-triangle test, the same code for the octree and for brute force, so that both give the same bits.
+//
+// Inside test after Woop, Benthin and Wald (Watertight Ray/Triangle Intersection, JCGT 2(1), 2013): vertices are moved to
+// the ray's origin and sheared so that the ray is the z axis; the signs of three edge products decide. Neighbours use the
+// same products of a shared edge, negated, so no ray slips between them; zero counts as inside. Products are `precise`:
+// contracted to fma they would lose that antisymmetry. t comes from the plane's equation, which is more exact than the
+// weighted sum of vertex depths where a triangle is large (traversal.md 4), kept within the depths of the vertices so
+// that an edge-on triangle cannot answer with a wild t.
+#include "trace/fetch.glsl"
+
+vec3 ray_origin, ray_direction; // the true ray, not clamped, not mirrored
+int shear_axis;                 // the direction's largest component
+vec3 shear;                     // x, y: slopes along it; z: 1 / direction on it
+float hit_t;                    // nearest hit so far
+uint hit_triangle;
+float floor_t; // hits count from here on: after (floor_t, floor_triangle) in the order of (t, id)
+uint floor_triangle;
+#ifdef ALPHA
+uint hit_flags;
+#endif
+
+vec3 along_shear(vec3 v) {
+    return shear_axis == 0 ? v.yzx : shear_axis == 1 ? v.zxy : v;
+}
+
+void set_ray(vec3 origin, vec3 direction) {
+    ray_origin = origin;
+    ray_direction = direction;
+    vec3 size = abs(direction);
+    shear_axis = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
+    vec3 q = along_shear(direction);
+    precise vec3 slopes = vec3(q.x / q.z, q.y / q.z, 1.0 / q.z);
+    shear = slopes;
+}
+
+#ifdef DOUBLE_EDGES
+// The products again in double, exact there for float factors, where a float product difference is exactly zero.
+vec3 exact_edges(vec2 a, vec2 b, vec2 c, vec3 edges) {
+    dvec2 da = dvec2(a), db = dvec2(b), dc = dvec2(c);
+    precise dvec3 e = dvec3(dc.x * db.y - dc.y * db.x, da.x * dc.y - da.y * dc.x, db.x * da.y - db.y * da.x);
+    return any(equal(edges, vec3(0.0))) ? vec3(sign(e)) * max(abs(edges), vec3(1.0)) : edges;
+}
+#endif
+
+void test_vertices(vec3 va, vec3 vb, vec3 vc, uint id, uint flags) {
+    precise vec3 from_origin = va - ray_origin;
+    precise vec3 a = along_shear(from_origin);
+    precise vec3 b = along_shear(vb - ray_origin);
+    precise vec3 c = along_shear(vc - ray_origin);
+    precise vec2 a2 = a.xy - shear.xy * a.z;
+    precise vec2 b2 = b.xy - shear.xy * b.z;
+    precise vec2 c2 = c.xy - shear.xy * c.z;
+    precise vec3 edges = vec3(c2.x * b2.y - c2.y * b2.x, a2.x * c2.y - a2.y * c2.x, b2.x * a2.y - b2.y * a2.x);
+#ifdef DOUBLE_EDGES
+    edges = exact_edges(a2, b2, c2, edges);
+#endif
+    bool inside = !(any(lessThan(edges, vec3(0.0))) && any(greaterThan(edges, vec3(0.0)))) && any(notEqual(edges, vec3(0.0)));
+
+    precise vec3 ab = vb - va;
+    precise vec3 ac = vc - va;
+    precise vec3 normal = vec3(ab.y * ac.z - ab.z * ac.y, ab.z * ac.x - ab.x * ac.z, ab.x * ac.y - ab.y * ac.x);
+    precise float above = from_origin.x * normal.x + from_origin.y * normal.y + from_origin.z * normal.z;
+    precise float along = ray_direction.x * normal.x + ray_direction.y * normal.y + ray_direction.z * normal.z;
+    precise vec3 depths = vec3(a.z, b.z, c.z) * shear.z;
+    float nearest = min(depths.x, min(depths.y, depths.z));
+    float farthest = max(depths.x, max(depths.y, depths.z));
+    precise float t = above / along;
+    t = t >= nearest ? min(t, farthest) : nearest; // NaN (edge-on) becomes the nearest vertex
+
+    bool nearer = t < hit_t || (t == hit_t && id < hit_triangle);
+    bool beyond = t > floor_t || (t == floor_t && id > floor_triangle);
+    bool hit = inside && nearer && beyond;
+    hit_t = hit ? t : hit_t;
+    hit_triangle = hit ? id : hit_triangle;
+#ifdef ALPHA
+    hit_flags = hit ? flags : hit_flags;
+#endif
+}
+
+void test_triangle(uint id) {
+    uvec4 a = TRIANGLE(id, 0);
+    vec3 b = uintBitsToFloat(TRIANGLE(id, 1).xyz);
+    vec3 c = uintBitsToFloat(TRIANGLE(id, 2).xyz);
+    test_vertices(uintBitsToFloat(a.xyz), b, c, id, a.w);
+}

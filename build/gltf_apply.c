@@ -1,0 +1,269 @@
+/* What assimp 5.2.5 drops of a glTF file, put back from its JSON; and the names of what is not carried. */
+#include "build/gltf.h"
+
+#include "base/memory.h"
+#include "base/portable_math.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* LOOKS: surfaces are drawn without it, which is said; STRUCTURE: without it there is no geometry or picture.
+ */
+typedef enum extension_kind { CARRIED, LOOKS, STRUCTURE } extension_kind;
+
+static const struct {
+    const char *name;
+    extension_kind kind;
+} extensions[] = {
+    {"KHR_lights_punctual", CARRIED},
+    {"KHR_materials_emissive_strength", CARRIED},
+    {"KHR_materials_pbrSpecularGlossiness", CARRIED},
+    {"KHR_texture_transform", CARRIED},
+    {"KHR_materials_anisotropy", LOOKS},
+    {"KHR_materials_clearcoat", LOOKS},
+    {"KHR_materials_dispersion", LOOKS},
+    {"KHR_materials_ior", LOOKS},
+    {"KHR_materials_iridescence", LOOKS},
+    {"KHR_materials_sheen", LOOKS},
+    {"KHR_materials_specular", LOOKS},
+    {"KHR_materials_transmission", LOOKS},
+    {"KHR_materials_unlit", LOOKS},
+    {"KHR_materials_variants", LOOKS},
+    {"KHR_materials_volume", LOOKS},
+    {"KHR_xmp", LOOKS},
+    {"KHR_xmp_json_ld", LOOKS},
+    {"EXT_mesh_gpu_instancing", STRUCTURE},
+    {"EXT_meshopt_compression", STRUCTURE},
+    {"EXT_texture_webp", STRUCTURE},
+    {"KHR_draco_mesh_compression", STRUCTURE},
+    {"KHR_mesh_quantization", STRUCTURE},
+    {"KHR_texture_basisu", STRUCTURE},
+};
+
+static int names_contain(const json_t *names, const char *name) {
+    for (size_t i = 0; i < json_array_size(names); i++) {
+        const char *text = json_string_value(json_array_get(names, i));
+        if (text && strcmp(text, name) == 0)
+            return 1;
+    }
+    return 0;
+}
+
+static gw_code check_extension(const char *name, int required, gw_source_model *model, gw_error *error) {
+    int known = 0;
+    extension_kind kind = STRUCTURE;
+    for (size_t i = 0; i < sizeof extensions / sizeof *extensions; i++)
+        if (strcmp(name, extensions[i].name) == 0) {
+            known = 1;
+            kind = extensions[i].kind;
+        }
+    if (known && kind == CARRIED)
+        return GW_OK;
+    if (required && kind == STRUCTURE)
+        return gw_fail(error, GW_BAD_INPUT,
+                       "the file requires the glTF extension '%.100s', which is %s: export it without", name,
+                       known ? "not supported" : "unknown here");
+    if (!model)
+        return GW_OK;
+    return gw_scene_note(model->scene, error, "glTF extension %.100s%s: %s", name,
+                         required ? " (required)" : "",
+                         known ? "not carried, drawn without it" : "unknown, ignored");
+}
+
+gw_code gw_gltf_check_extensions(const gw_gltf *gltf, gw_source_model *model, gw_error *error) {
+    const json_t *used = json_object_get(gltf->root, "extensionsUsed");
+    const json_t *required = json_object_get(gltf->root, "extensionsRequired");
+    gw_code code = GW_OK;
+    for (size_t i = 0; code == GW_OK && i < json_array_size(required); i++) {
+        const char *name = json_string_value(json_array_get(required, i));
+        if (name)
+            code = check_extension(name, 1, model, error);
+    }
+    for (size_t i = 0; code == GW_OK && i < json_array_size(used); i++) {
+        const char *name = json_string_value(json_array_get(used, i));
+        if (name && !names_contain(required, name))
+            code = check_extension(name, 0, model, error);
+    }
+    return code;
+}
+
+/* --- materials --- */
+
+typedef struct uv_transform {
+    double offset[2], scale[2], rotation;
+} uv_transform;
+
+static double number_or(const json_t *value, double missing) {
+    const double number = json_is_number(value) ? json_number_value(value) : missing;
+    return isfinite(number) ? number : missing;
+}
+
+/* 1 when the material's base colour texture has a KHR_texture_transform that does something. */
+static int read_transform(const json_t *material, uv_transform *out) {
+    const json_t *texture =
+        json_object_get(json_object_get(material, "pbrMetallicRoughness"), "baseColorTexture");
+    const json_t *transform =
+        json_object_get(json_object_get(texture, "extensions"), "KHR_texture_transform");
+    if (!json_is_object(transform))
+        return 0;
+    for (size_t i = 0; i < 2; i++) {
+        out->offset[i] = number_or(json_array_get(json_object_get(transform, "offset"), i), 0.0);
+        out->scale[i] = number_or(json_array_get(json_object_get(transform, "scale"), i), 1.0);
+    }
+    out->rotation = number_or(json_object_get(transform, "rotation"), 0.0);
+    return 1;
+}
+
+/* Scale, then rotate counter-clockwise (v points down), then shift: the extension's own order. */
+static void transform_texcoord(float texcoord[2], const uv_transform *transform) {
+    const double cosine = gw_cos(transform->rotation), sine = gw_sin(transform->rotation);
+    const double u = transform->scale[0] * texcoord[0], v = transform->scale[1] * texcoord[1];
+    texcoord[0] = (float)(cosine * u + sine * v + transform->offset[0]);
+    texcoord[1] = (float)(-sine * u + cosine * v + transform->offset[1]);
+}
+
+/* The import child makes every vertex belong to one material, so texture coordinates can be moved for good.
+ */
+static gw_code apply_transforms(const json_t *materials, gw_source_model *model, gw_error *error) {
+    gw_scene *scene = model->scene;
+    uint8_t *moved = NULL;
+    if (!scene->texcoords || scene->vertex_count == 0)
+        return GW_OK;
+    gw_code code = gw_allocate((void **)&moved, scene->vertex_count, 1, "texture transforms", error);
+    for (uint32_t i = 0; code == GW_OK && i < scene->triangle_count; i++) {
+        uv_transform transform;
+        const uint32_t material = scene->material_of[i];
+        if (material >= scene->material_count || model->material_sources[material].file_index < 0 ||
+            !read_transform(json_array_get(materials, (size_t)model->material_sources[material].file_index),
+                            &transform))
+            continue;
+        for (int k = 0; k < 3; k++) {
+            const uint32_t vertex = scene->triangles[i][k];
+            if (vertex >= scene->vertex_count || moved[vertex])
+                continue;
+            moved[vertex] = 1;
+            transform_texcoord(scene->texcoords + (size_t)vertex * 2, &transform);
+        }
+    }
+    free(moved);
+    return code;
+}
+
+static void apply_material(const json_t *source, gw_material *material, size_t index) {
+    const char *name = json_string_value(json_object_get(source, "name"));
+    if (name && *name)
+        snprintf(material->name, sizeof material->name, "%s", name);
+    else
+        snprintf(material->name, sizeof material->name, "material %zu", index);
+    const json_t *strength =
+        json_object_get(json_object_get(source, "extensions"), "KHR_materials_emissive_strength");
+    const double factor = number_or(json_object_get(strength, "emissiveStrength"), 1.0);
+    for (int i = 0; i < 3 && factor >= 0.0; i++)
+        material->emissive[i] = (float)fmin(material->emissive[i] * factor, 1e30);
+}
+
+/* --- notes on what is not carried --- */
+
+static size_t count_with(const json_t *objects, const char *key, const char *inner) {
+    size_t count = 0;
+    for (size_t i = 0; i < json_array_size(objects); i++) {
+        const json_t *object = json_array_get(objects, i);
+        count += json_object_get(inner ? json_object_get(object, inner) : object, key) != NULL;
+    }
+    return count;
+}
+
+static gw_code note_count(gw_source_model *model, size_t count, const char *what, gw_error *error) {
+    return count ? gw_scene_note(model->scene, error, "glTF: %zu %s", count, what) : GW_OK;
+}
+
+static gw_code note_losses(const gw_gltf *gltf, gw_source_model *model, gw_error *error) {
+    const json_t *materials = json_object_get(gltf->root, "materials");
+    const struct {
+        size_t count;
+        const char *what;
+    } losses[] = {
+        {count_with(materials, "normalTexture", NULL), "materials with a normal map: drawn without it"},
+        {count_with(materials, "occlusionTexture", NULL),
+         "materials with an occlusion map: drawn without it"},
+        {count_with(materials, "emissiveTexture", NULL), "materials with an emissive map: its mean is used"},
+        {count_with(materials, "metallicRoughnessTexture", "pbrMetallicRoughness"),
+         "materials with a metallic-roughness map: its mean is used"},
+        {json_array_size(json_object_get(gltf->root, "animations")), "animations: the rest pose is shown"},
+        {json_array_size(json_object_get(gltf->root, "skins")), "skins: the rest pose is shown"},
+    };
+    gw_code code = GW_OK;
+    for (size_t i = 0; code == GW_OK && i < sizeof losses / sizeof *losses; i++)
+        code = note_count(model, losses[i].count, losses[i].what, error);
+    return code;
+}
+
+gw_code gw_gltf_apply(const gw_gltf *gltf, gw_source_model *model, gw_error *error) {
+    const json_t *materials = json_object_get(gltf->root, "materials");
+    gw_code code = apply_transforms(materials, model, error);
+    for (uint32_t i = 0; i < model->scene->material_count; i++) {
+        const int32_t index = model->material_sources[i].file_index;
+        const json_t *source = index >= 0 ? json_array_get(materials, (size_t)index) : NULL;
+        if (source)
+            apply_material(source, &model->scene->materials[i], (size_t)index);
+    }
+    if (code == GW_OK)
+        code = note_losses(gltf, model, error);
+    return code;
+}
+
+/* --- marking materials --- */
+
+static void write_u32(uint8_t *data, uint32_t value) {
+    for (int i = 0; i < 4; i++)
+        data[i] = (uint8_t)(value >> (8 * i));
+}
+
+/* A .glb of the JSON text and the old BIN chunk. */
+static gw_code pack_container(const gw_gltf *gltf, const char *text, size_t text_size, gw_bytes *out,
+                              gw_error *error) {
+    const size_t json_size = (text_size + 3) & ~(size_t)3, bin_size = (gltf->chunk_size + 3) & ~(size_t)3;
+    const size_t total = 12 + 8 + json_size + (gltf->chunk ? 8 + bin_size : 0);
+    if (total > UINT32_MAX)
+        return gw_fail(error, GW_BAD_INPUT, "the .glb file is larger than 4 GiB");
+    gw_code code = gw_allocate((void **)&out->data, total + 1, 1, "glTF file", error);
+    if (code != GW_OK)
+        return code;
+    out->size = total;
+    uint8_t *to = out->data;
+    memcpy(to, "glTF", 4);
+    write_u32(to + 4, 2);
+    write_u32(to + 8, (uint32_t)total);
+    write_u32(to + 12, (uint32_t)json_size);
+    memcpy(to + 16, "JSON", 4);
+    memset(to + 20, ' ', json_size);
+    memcpy(to + 20, text, text_size);
+    to += 20 + json_size;
+    if (gltf->chunk) {
+        write_u32(to, (uint32_t)bin_size);
+        memcpy(to + 4, "BIN\0", 4);
+        memcpy(to + 8, gltf->chunk, gltf->chunk_size);
+    }
+    return GW_OK;
+}
+
+gw_code gw_gltf_mark_materials(gw_gltf *gltf, gw_bytes *out, gw_error *error) {
+    *out = (gw_bytes){0};
+    json_t *materials = json_object_get(gltf->root, "materials");
+    for (size_t i = 0; i < json_array_size(materials); i++)
+        if (json_object_set_new(json_array_get(materials, i), "name", json_sprintf("#%zu", i)) != 0)
+            return gw_fail(error, GW_MACHINE, "out of memory for material names");
+    char *text = json_dumps(gltf->root, JSON_COMPACT | JSON_REAL_PRECISION(17));
+    if (!text)
+        return gw_fail(error, GW_MACHINE, "out of memory for the glTF text");
+    if (!gltf->binary) {
+        out->data = (uint8_t *)text;
+        out->size = strlen(text);
+        return GW_OK;
+    }
+    gw_code code = pack_container(gltf, text, strlen(text), out, error);
+    free(text);
+    return code;
+}

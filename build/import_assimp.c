@@ -1,0 +1,311 @@
+/* What assimp read, flattened: one list of vertices in double precision and one of triangles, lights and
+ * cameras placed by their nodes. Runs in the import child. */
+#include "build/import_internal.h"
+
+#include "base/memory.h"
+
+#include <assimp/scene.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { MAXIMUM_NODE_DEPTH = 2000 };
+
+typedef struct converter {
+    const struct aiScene *read;
+    gw_model_format format;
+    gw_source_model *model;
+    uint64_t vertices, triangles; /* counted in the first walk, placed so far in the second */
+    uint64_t other_primitives;
+    uint32_t spots, placed_lights, placed_cameras;
+    int normals, texcoords, colors; /* some mesh has them */
+    int counting;
+    gw_error *error;
+} converter;
+
+typedef struct matrix {
+    double m[3][4];
+} matrix;
+
+static matrix multiply(const matrix *a, const struct aiMatrix4x4 *b) {
+    const double rows[3][4] = {
+        {b->a1, b->a2, b->a3, b->a4}, {b->b1, b->b2, b->b3, b->b4}, {b->c1, b->c2, b->c3, b->c4}};
+    matrix product;
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 4; k++)
+            product.m[i][k] = a->m[i][0] * rows[0][k] + a->m[i][1] * rows[1][k] + a->m[i][2] * rows[2][k] +
+                              (k == 3 ? a->m[i][3] : 0.0);
+    return product;
+}
+
+static double determinant(const matrix *a) {
+    const double(*m)[4] = a->m;
+    return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+           m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+           m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+}
+
+static void place_point(const matrix *a, const struct aiVector3D *p, double out[3]) {
+    for (int i = 0; i < 3; i++)
+        out[i] =
+            a->m[i][0] * (double)p->x + a->m[i][1] * (double)p->y + a->m[i][2] * (double)p->z + a->m[i][3];
+}
+
+/* By the cofactors: right for normals under any scaling. Not normalised: gw_scene_finish does that. */
+static void place_normal(const matrix *a, double sign, const struct aiVector3D *n, float out[3]) {
+    const double(*m)[4] = a->m;
+    double turned[3];
+    for (int i = 0; i < 3; i++) {
+        const int r = (i + 1) % 3, s = (i + 2) % 3;
+        turned[i] = sign * ((m[r][1] * m[s][2] - m[r][2] * m[s][1]) * (double)n->x +
+                            (m[r][2] * m[s][0] - m[r][0] * m[s][2]) * (double)n->y +
+                            (m[r][0] * m[s][1] - m[r][1] * m[s][0]) * (double)n->z);
+    }
+    const double length = sqrt(turned[0] * turned[0] + turned[1] * turned[1] + turned[2] * turned[2]);
+    for (int i = 0; i < 3; i++)
+        out[i] = length > 0.0 ? (float)(turned[i] / length) : 0.0f;
+}
+
+static int place_direction(const matrix *a, const struct aiVector3D *d, double out[3]) {
+    double length = 0.0;
+    for (int i = 0; i < 3; i++) {
+        out[i] = a->m[i][0] * (double)d->x + a->m[i][1] * (double)d->y + a->m[i][2] * (double)d->z;
+        length += out[i] * out[i];
+    }
+    length = sqrt(length);
+    for (int i = 0; i < 3; i++)
+        out[i] /= length;
+    return isfinite(length) && length > 0.0;
+}
+
+/* --- meshes --- */
+
+static void count_mesh(converter *self, const struct aiMesh *mesh) {
+    self->vertices += mesh->mNumVertices;
+    for (unsigned f = 0; f < mesh->mNumFaces; f++) {
+        self->triangles += mesh->mFaces[f].mNumIndices == 3;
+        self->other_primitives += mesh->mFaces[f].mNumIndices != 3;
+    }
+    if (mesh->mNumFaces == 0)
+        self->other_primitives += mesh->mNumVertices; /* a cloud of points */
+    self->normals |= mesh->mNormals != NULL && self->format != GW_FORMAT_STL;
+    self->texcoords |= mesh->mTextureCoords[0] != NULL;
+    self->colors |= mesh->mColors[0] != NULL;
+}
+
+static void put_texcoords(const converter *self, const struct aiMesh *mesh, float *out) {
+    unsigned channel = 0;
+    if (mesh->mMaterialIndex < self->read->mNumMaterials)
+        channel = gw_import_material_channel(self->read->mMaterials[mesh->mMaterialIndex]);
+    const struct aiVector3D *texcoords = mesh->mTextureCoords[channel];
+    for (unsigned v = 0; texcoords && v < mesh->mNumVertices; v++) {
+        out[(size_t)v * 2] = (float)texcoords[v].x;
+        out[(size_t)v * 2 + 1] = (float)(1.0 - (double)texcoords[v].y); /* assimp's v points up */
+    }
+}
+
+/* glTF colours are linear; those of scans and OBJ files are meant for display. */
+static void put_colors(const converter *self, const struct aiMesh *mesh, uint8_t *out) {
+    const struct aiColor4D *colors = mesh->mColors[0];
+    for (unsigned v = 0; v < mesh->mNumVertices; v++) {
+        float channels[4] = {1, 1, 1, 1};
+        if (colors)
+            memcpy(channels,
+                   (const float[4]){(float)colors[v].r, (float)colors[v].g, (float)colors[v].b,
+                                    (float)colors[v].a},
+                   sizeof channels);
+        for (int i = 0; i < 4; i++) {
+            float value = channels[i] > 0.0f ? fminf(channels[i], 1.0f) : 0.0f;
+            if (i < 3 && self->format != GW_FORMAT_GLTF)
+                value = gw_linear_from_srgb(value);
+            out[(size_t)v * 4 + (size_t)i] = (uint8_t)lroundf(value * 255.0f);
+        }
+    }
+}
+
+static void put_mesh(converter *self, const struct aiMesh *mesh, const matrix *place) {
+    gw_scene *scene = self->model->scene;
+    const size_t first = self->vertices;
+    const double sign = determinant(place) < 0.0 ? -1.0 : 1.0;
+    for (unsigned v = 0; v < mesh->mNumVertices; v++) {
+        place_point(place, &mesh->mVertices[v], self->model->world + (first + v) * 3);
+        if (scene->normals && mesh->mNormals)
+            place_normal(place, sign, &mesh->mNormals[v], scene->normals + (first + v) * 3);
+    }
+    if (scene->texcoords)
+        put_texcoords(self, mesh, scene->texcoords + first * 2);
+    if (scene->colors)
+        put_colors(self, mesh, scene->colors + first * 4);
+    for (unsigned f = 0; f < mesh->mNumFaces; f++) {
+        const struct aiFace *face = &mesh->mFaces[f];
+        if (face->mNumIndices != 3)
+            continue;
+        uint32_t *triangle = scene->triangles[self->triangles];
+        for (int k = 0; k < 3; k++) {
+            const unsigned index = face->mIndices[sign < 0.0 ? 2 - k : k]; /* a mirror turns the winding */
+            triangle[k] = index < mesh->mNumVertices ? (uint32_t)(first + index) : UINT32_MAX;
+        }
+        scene->material_of[self->triangles++] = mesh->mMaterialIndex;
+    }
+    self->vertices += mesh->mNumVertices;
+}
+
+/* --- lights and cameras --- */
+
+static void put_light(converter *self, const struct aiLight *light, const matrix *place) {
+    gw_scene *scene = self->model->scene;
+    gw_light *to = &scene->lights[scene->light_count];
+    const float channels[3] = {(float)light->mColorDiffuse.r, (float)light->mColorDiffuse.g,
+                               (float)light->mColorDiffuse.b};
+    if (light->mType == aiLightSource_DIRECTIONAL) {
+        to->kind = GW_LIGHT_DIRECTIONAL;
+        if (!place_direction(place, &light->mDirection, to->vector))
+            return;
+    } else if (light->mType == aiLightSource_POINT || light->mType == aiLightSource_SPOT) {
+        to->kind = GW_LIGHT_POINT;
+        place_point(place, &light->mPosition, to->vector);
+        self->spots += light->mType == aiLightSource_SPOT;
+    } else {
+        return;
+    }
+    for (int i = 0; i < 3; i++)
+        to->color[i] = channels[i] > 0.0f ? fminf(channels[i], 1e30f) : 0.0f;
+    if (isfinite(to->vector[0]) && isfinite(to->vector[1]) && isfinite(to->vector[2]))
+        scene->light_count++;
+}
+
+static void put_camera(converter *self, const struct aiCamera *camera, const matrix *place) {
+    static const double pi = 3.14159265358979323846;
+    gw_scene *scene = self->model->scene;
+    gw_viewpoint *view = &scene->viewpoints[scene->viewpoint_count];
+    double forward[3];
+    place_point(place, &camera->mPosition, view->eye);
+    if (!place_direction(place, &camera->mLookAt, forward) || !place_direction(place, &camera->mUp, view->up))
+        return;
+    for (int i = 0; i < 3; i++)
+        view->look_at[i] = view->eye[i] + forward[i];
+    const double aspect = camera->mAspect > 0 ? (double)camera->mAspect : 1.0;
+    const double fov = 2.0 * atan(tan((double)camera->mHorizontalFOV / 2.0) / aspect) * 180.0 / pi;
+    view->fov = fov >= 1.0 && fov <= 170.0 ? fov : 45.0;
+    snprintf(view->name, sizeof view->name, "%.*s", (int)sizeof view->name - 1, camera->mName.data);
+    if (isfinite(view->eye[0]) && isfinite(view->eye[1]) && isfinite(view->eye[2]))
+        scene->viewpoint_count++;
+}
+
+/* assimp ties lights and cameras to nodes by name. */
+static void put_node_lights(converter *self, const struct aiNode *node, const matrix *place) {
+    for (unsigned i = 0; i < self->read->mNumLights && self->placed_lights < self->read->mNumLights; i++)
+        if (strcmp(self->read->mLights[i]->mName.data, node->mName.data) == 0) {
+            self->placed_lights++;
+            put_light(self, self->read->mLights[i], place);
+        }
+    for (unsigned i = 0; i < self->read->mNumCameras && self->placed_cameras < self->read->mNumCameras; i++)
+        if (strcmp(self->read->mCameras[i]->mName.data, node->mName.data) == 0) {
+            self->placed_cameras++;
+            put_camera(self, self->read->mCameras[i], place);
+        }
+}
+
+/* --- the walk --- */
+
+static gw_code walk(converter *self, const struct aiNode *node, const matrix *parent, int depth) {
+    if (depth > MAXIMUM_NODE_DEPTH)
+        return gw_fail(self->error, GW_BAD_INPUT, "its nodes are nested more than %d deep",
+                       MAXIMUM_NODE_DEPTH);
+    const matrix place = multiply(parent, &node->mTransformation);
+    for (unsigned i = 0; i < node->mNumMeshes; i++) {
+        if (node->mMeshes[i] >= self->read->mNumMeshes)
+            return gw_fail(self->error, GW_BAD_INPUT, "a node names mesh %u of %u", node->mMeshes[i],
+                           self->read->mNumMeshes);
+        const struct aiMesh *mesh = self->read->mMeshes[node->mMeshes[i]];
+        if (self->counting)
+            count_mesh(self, mesh);
+        else
+            put_mesh(self, mesh, &place);
+    }
+    if (!self->counting)
+        put_node_lights(self, node, &place);
+    gw_code code = GW_OK;
+    for (unsigned i = 0; code == GW_OK && i < node->mNumChildren; i++)
+        code = walk(self, node->mChildren[i], &place, depth + 1);
+    return code;
+}
+
+static gw_code allocate_scene(converter *self) {
+    gw_scene *scene = self->model->scene;
+    const struct {
+        void *address;
+        size_t count, row;
+    } arrays[] = {
+        {&self->model->world, self->vertices, 3 * sizeof(double)},
+        {&scene->normals, self->normals ? self->vertices : 0, 3 * sizeof(float)},
+        {&scene->texcoords, self->texcoords ? self->vertices : 0, 2 * sizeof(float)},
+        {&scene->colors, self->colors ? self->vertices : 0, 4},
+        {&scene->triangles, self->triangles, sizeof *scene->triangles},
+        {&scene->material_of, self->triangles, sizeof *scene->material_of},
+        {&scene->materials, self->read->mNumMaterials, sizeof *scene->materials},
+        {&self->model->material_sources, self->read->mNumMaterials, sizeof *self->model->material_sources},
+        {&scene->lights, self->read->mNumLights, sizeof *scene->lights},
+        {&scene->viewpoints, self->read->mNumCameras, sizeof *scene->viewpoints},
+    };
+    gw_code code = GW_OK;
+    for (size_t i = 0; code == GW_OK && i < sizeof arrays / sizeof *arrays; i++)
+        code = gw_allocate(arrays[i].address, arrays[i].count, arrays[i].row, "imported model", self->error);
+    return code;
+}
+
+static gw_code convert_materials(converter *self) {
+    gw_scene *scene = self->model->scene;
+    for (uint32_t i = 0; i < self->read->mNumMaterials; i++) {
+        gw_code code = gw_import_material(self->read, self->read->mMaterials[i], self->format, self->model, i,
+                                          self->error);
+        if (code != GW_OK)
+            return code;
+        scene->material_count = i + 1;
+        if (self->format != GW_FORMAT_GLTF && self->format != GW_FORMAT_OBJ && self->colors)
+            for (int k = 0; k < 3; k++) /* the vertices bring the colour */
+                scene->materials[i].base_color[k] = 1.0f;
+    }
+    return GW_OK;
+}
+
+static gw_code note_choices(const converter *self) {
+    gw_scene *scene = self->model->scene;
+    gw_code code = GW_OK;
+    if (self->format != GW_FORMAT_GLTF && self->format != GW_FORMAT_OBJ)
+        code = gw_scene_note(scene, self->error, "%s files name no material: a rough %s is used",
+                             gw_model_format_name(self->format),
+                             self->colors ? "one with the vertices' colours" : "light grey one");
+    if (code == GW_OK && self->spots)
+        code = gw_scene_note(scene, self->error,
+                             "%u spot lights shine in all directions: cones are not carried", self->spots);
+    return code;
+}
+
+gw_code gw_import_convert(const struct aiScene *read, gw_model_format format, gw_source_model *model,
+                          gw_error *error) {
+    const matrix identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    converter self = {.read = read, .format = format, .model = model, .counting = 1, .error = error};
+    gw_code code = walk(&self, read->mRootNode, &identity, 0);
+    if (code != GW_OK)
+        return code;
+    if (self.vertices >= UINT32_MAX || self.triangles >= UINT32_MAX)
+        return gw_fail(error, GW_BAD_INPUT,
+                       "it has %llu vertices and %llu triangles, more than a scene can hold",
+                       (unsigned long long)self.vertices, (unsigned long long)self.triangles);
+    code = allocate_scene(&self);
+    if (code != GW_OK)
+        return code;
+    model->scene->dropped.not_triangle = self.other_primitives;
+    model->wants_normals = !self.normals && format != GW_FORMAT_GLTF;
+    self.counting = 0;
+    self.vertices = self.triangles = 0;
+    code = walk(&self, read->mRootNode, &identity, 0);
+    model->scene->vertex_count = (uint32_t)self.vertices;
+    model->scene->triangle_count = (uint32_t)self.triangles;
+    if (code == GW_OK)
+        code = convert_materials(&self);
+    if (code == GW_OK)
+        code = note_choices(&self);
+    return code;
+}

@@ -1,0 +1,256 @@
+/* Materials as assimp 5.2.5 gives them, put into our terms. Runs in the import child. */
+#include "build/import_internal.h"
+
+#include "base/memory.h"
+#include "build/model_path.h"
+
+#include <assimp/GltfMaterial.h>
+#include <assimp/material.h>
+#include <assimp/scene.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+float gw_linear_from_srgb(float value) {
+    const double v = value;
+    return (float)(v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4));
+}
+
+static float clamp01(double value) {
+    return value > 0.0 ? (float)fmin(value, 1.0) : 0.0f; /* also for values that are not numbers */
+}
+
+/* Embedded textures are called "*3"; NULL for all others. */
+static const struct aiTexture *embedded_texture(const struct aiScene *read, const char *path) {
+    if (path[0] != '*')
+        return NULL;
+    const unsigned long index = strtoul(path + 1, NULL, 10);
+    return index < read->mNumTextures ? read->mTextures[index] : NULL;
+}
+
+static gw_code embed(const struct aiTexture *texture, gw_texture_source *source, gw_error *error) {
+    const uint64_t pixels = (uint64_t)texture->mWidth * texture->mHeight;
+    source->size = texture->mHeight ? (size_t)pixels * 4 : texture->mWidth;
+    gw_code code = gw_allocate((void **)&source->bytes, source->size, 1, "embedded texture", error);
+    if (code != GW_OK || source->size == 0)
+        return code;
+    if (texture->mHeight == 0) {
+        memcpy(source->bytes, texture->pcData, source->size);
+        return GW_OK;
+    }
+    source->raw_width = texture->mWidth;
+    source->raw_height = texture->mHeight;
+    for (uint64_t i = 0; i < pixels; i++) {
+        const struct aiTexel *texel = &texture->pcData[i];
+        const uint8_t rgba[4] = {texel->r, texel->g, texel->b, texel->a};
+        memcpy(source->bytes + i * 4, rgba, 4);
+    }
+    return GW_OK;
+}
+
+static gw_wrap wrap_of(enum aiTextureMapMode mode) {
+    return mode == aiTextureMapMode_Mirror ? GW_WRAP_MIRROR
+           : mode == aiTextureMapMode_Wrap ? GW_WRAP_REPEAT
+                                           : GW_WRAP_CLAMP;
+}
+
+static int same_source(const gw_texture_source *a, const gw_texture_source *b) {
+    return strcmp(a->path, b->path) == 0 && strcmp(a->alpha_path, b->alpha_path) == 0 &&
+           a->wrap_u == b->wrap_u && a->wrap_v == b->wrap_v;
+}
+
+/* Finds the source among the model's, or adds it; *index is its place. Takes what `wanted` owns. */
+static gw_code add_source(const struct aiScene *read, gw_texture_source *wanted, gw_source_model *model,
+                          int32_t *index, gw_error *error) {
+    gw_code code = GW_OK;
+    for (uint32_t i = 0; i < model->source_count; i++)
+        if (same_source(&model->sources[i], wanted)) {
+            *index = (int32_t)i;
+            goto cleanup;
+        }
+    gw_texture_source *grown = realloc(model->sources, (model->source_count + 1) * sizeof *grown);
+    if (!grown) {
+        code = gw_fail(error, GW_MACHINE, "out of memory for textures");
+        goto cleanup;
+    }
+    model->sources = grown;
+    const struct aiTexture *embedded = embedded_texture(read, wanted->path);
+    if (embedded)
+        code = embed(embedded, wanted, error);
+    if (code != GW_OK)
+        goto cleanup;
+    *index = (int32_t)model->source_count;
+    grown[model->source_count++] = *wanted;
+    return GW_OK;
+cleanup:
+    free(wanted->path);
+    free(wanted->alpha_path);
+    free(wanted->bytes);
+    return code;
+}
+
+/* The material's first texture of a type as a source index, -1 for none. alpha: the texture type of a
+ * separate opacity picture, or aiTextureType_NONE. */
+static gw_code get_texture(const struct aiScene *read, const struct aiMaterial *from, enum aiTextureType type,
+                           enum aiTextureType alpha, int uri, gw_source_model *model, int32_t *index,
+                           gw_error *error) {
+    struct aiString path = {0}, alpha_path = {0};
+    enum aiTextureMapMode modes[3] = {aiTextureMapMode_Wrap, aiTextureMapMode_Wrap, aiTextureMapMode_Wrap};
+    *index = -1;
+    if (aiGetMaterialTexture(from, type, 0, &path, NULL, NULL, NULL, NULL, modes, NULL) != aiReturn_SUCCESS ||
+        path.length == 0)
+        return GW_OK;
+    if (alpha != aiTextureType_NONE)
+        aiGetMaterialTexture(from, alpha, 0, &alpha_path, NULL, NULL, NULL, NULL, NULL, NULL);
+    if (strcmp(alpha_path.data, path.data) == 0)
+        alpha_path.data[0] = '\0'; /* the picture's own alpha channel is meant */
+    gw_texture_source source = {.path = gw_copy_text(path.data),
+                                .alpha_path = gw_copy_text(alpha_path.data),
+                                .wrap_u = wrap_of(modes[0]),
+                                .wrap_v = wrap_of(modes[1])};
+    if (!source.path || !source.alpha_path) {
+        free(source.path);
+        free(source.alpha_path);
+        return gw_fail(error, GW_MACHINE, "out of memory for a texture's name");
+    }
+    if (uri)
+        gw_uri_decode(source.path);
+    return add_source(read, &source, model, index, error);
+}
+
+static int has_texture(const struct aiMaterial *from, enum aiTextureType type) {
+    return aiGetMaterialTextureCount(from, type) > 0;
+}
+
+static float get_float(const struct aiMaterial *from, const char *key, float missing) {
+    ai_real value = missing;
+    if (aiGetMaterialFloatArray(from, key, 0, 0, &value, NULL) != aiReturn_SUCCESS || !isfinite(value))
+        return missing;
+    return (float)value;
+}
+
+static int get_color(const struct aiMaterial *from, const char *key, struct aiColor4D *color) {
+    return aiGetMaterialColor(from, key, 0, 0, color) == aiReturn_SUCCESS;
+}
+
+static void set_color(float *out, const struct aiColor4D *color, int srgb, float maximum) {
+    const float channels[3] = {(float)color->r, (float)color->g, (float)color->b};
+    for (int i = 0; i < 3; i++) {
+        float value = isfinite(channels[i]) ? fminf(fmaxf(channels[i], 0.0f), maximum) : 0.0f;
+        out[i] = srgb ? gw_linear_from_srgb(fminf(value, 1.0f)) : value;
+    }
+}
+
+static gw_alpha_mode alpha_mode_of(const struct aiMaterial *from) {
+    struct aiString mode = {0};
+    if (aiGetMaterialString(from, AI_MATKEY_GLTF_ALPHAMODE, &mode) != aiReturn_SUCCESS)
+        return GW_ALPHA_OPAQUE;
+    return strcmp(mode.data, "MASK") == 0    ? GW_ALPHA_MASK
+           : strcmp(mode.data, "BLEND") == 0 ? GW_ALPHA_BLEND
+                                             : GW_ALPHA_OPAQUE;
+}
+
+static gw_code gltf_material(const struct aiScene *read, const struct aiMaterial *from,
+                             gw_source_model *model, gw_material *to, gw_material_source *source,
+                             gw_error *error) {
+    struct aiColor4D color = {1, 1, 1, 1};
+    struct aiString name = {0};
+    int two_sided = 0;
+    const float glossiness = get_float(from, "$mat.glossinessFactor", -1.0f);
+    if (aiGetMaterialString(from, AI_MATKEY_NAME, &name) == aiReturn_SUCCESS && name.data[0] == '#')
+        source->file_index = (int32_t)strtol(name.data + 1, NULL, 10);
+    if (glossiness >= 0.0f || !get_color(from, "$clr.base", &color))
+        get_color(from, "$clr.diffuse", &color);
+    set_color(to->base_color, &color, 0, 1.0f);
+    to->base_color[3] = clamp01((double)color.a);
+    to->metalness = glossiness >= 0.0f ? 0.0f : clamp01((double)get_float(from, "$mat.metallicFactor", 1.0f));
+    to->roughness = clamp01(glossiness >= 0.0f ? 1.0 - (double)glossiness
+                                               : (double)get_float(from, "$mat.roughnessFactor", 1.0f));
+    color = (struct aiColor4D){0, 0, 0, 1};
+    get_color(from, "$clr.emissive", &color);
+    set_color(to->emissive, &color, 0, 1e6f);
+    to->alpha_mode = alpha_mode_of(from);
+    to->alpha_cutoff = fmaxf(0.0f, get_float(from, "$mat.gltf.alphaCutoff", 0.5f));
+    aiGetMaterialIntegerArray(from, AI_MATKEY_TWOSIDED, &two_sided, NULL);
+    to->two_sided = two_sided != 0;
+    const enum aiTextureType base = has_texture(from, aiTextureType_BASE_COLOR) && glossiness < 0.0f
+                                        ? aiTextureType_BASE_COLOR
+                                        : aiTextureType_DIFFUSE;
+    gw_code code = get_texture(read, from, base, aiTextureType_NONE, 1, model, &source->base_color, error);
+    if (code == GW_OK && glossiness < 0.0f) {
+        const enum aiTextureType type =
+            has_texture(from, aiTextureType_METALNESS) ? aiTextureType_METALNESS : aiTextureType_UNKNOWN;
+        code =
+            get_texture(read, from, type, aiTextureType_NONE, 1, model, &source->metallic_roughness, error);
+    }
+    if (code == GW_OK)
+        code = get_texture(read, from, aiTextureType_EMISSIVE, aiTextureType_NONE, 1, model,
+                           &source->emissive, error);
+    return code;
+}
+
+/* Phong's exponent as a roughness: alpha^2 = 2 / (Ns + 2), and the perceptual roughness is the root of alpha.
+ * Without a specular colour (illum 1) nothing shines. */
+static float mtl_roughness(const struct aiMaterial *from) {
+    struct aiColor4D specular = {0, 0, 0, 1};
+    const float exponent = get_float(from, "$mat.shininess", 0.0f);
+    get_color(from, "$clr.specular", &specular);
+    const int shines = specular.r > 0 || specular.g > 0 || specular.b > 0;
+    return shines && exponent > 0.0f ? (float)sqrt(sqrt(2.0 / ((double)exponent + 2.0))) : 1.0f;
+}
+
+static gw_code mtl_material(const struct aiScene *read, const struct aiMaterial *from, gw_source_model *model,
+                            gw_material *to, gw_material_source *source, gw_error *error) {
+    struct aiColor4D color = {0.8f, 0.8f, 0.8f, 1};
+    struct aiString name = {0};
+    if (aiGetMaterialString(from, AI_MATKEY_NAME, &name) == aiReturn_SUCCESS)
+        snprintf(to->name, sizeof to->name, "%.*s", (int)sizeof to->name - 1, name.data);
+    gw_code code = get_texture(read, from, aiTextureType_DIFFUSE, aiTextureType_OPACITY, 0, model,
+                               &source->base_color, error);
+    get_color(from, "$clr.diffuse", &color);
+    if (source->base_color >= 0 && color.r <= 0 && color.g <= 0 && color.b <= 0)
+        color = (struct aiColor4D){1, 1, 1,
+                                   1}; /* exporters write a black Kd beside map_Kd; it would hide the map */
+    set_color(to->base_color, &color, 1, 1.0f);
+    to->base_color[3] = clamp01((double)get_float(from, "$mat.opacity", 1.0f));
+    to->alpha_mode = to->base_color[3] < 1.0f ? GW_ALPHA_BLEND : GW_ALPHA_OPAQUE;
+    source->alpha_from_texture = to->alpha_mode == GW_ALPHA_OPAQUE;
+    to->metalness = clamp01((double)get_float(from, "$mat.metallicFactor", 0.0f));
+    const float roughness = get_float(from, "$mat.roughnessFactor", -1.0f); /* Pr of the PBR keys */
+    to->roughness = clamp01((double)(roughness >= 0.0f ? roughness : mtl_roughness(from)));
+    color = (struct aiColor4D){0, 0, 0, 1};
+    get_color(from, "$clr.emissive", &color);
+    set_color(to->emissive, &color, 1, 1.0f);
+    to->two_sided = 1;
+    return code;
+}
+
+gw_code gw_import_material(const struct aiScene *read, const struct aiMaterial *from, gw_model_format format,
+                           gw_source_model *model, uint32_t index, gw_error *error) {
+    gw_material *to = &model->scene->materials[index];
+    gw_material_source *source = &model->material_sources[index];
+    *to = (gw_material){.base_color = {0.7f, 0.7f, 0.7f, 1.0f},
+                        .roughness = 0.6f,
+                        .alpha_cutoff = 0.5f,
+                        .two_sided = 1,
+                        .base_color_texture = -1};
+    *source = (gw_material_source){-1, -1, -1, -1, 0};
+    if (format == GW_FORMAT_GLTF)
+        return gltf_material(read, from, model, to, source, error);
+    if (format == GW_FORMAT_OBJ)
+        return mtl_material(read, from, model, to, source, error);
+    snprintf(to->name, sizeof to->name,
+             "default"); /* PLY, STL and OFF have no materials; a colour comes by vertex */
+    return GW_OK;
+}
+
+unsigned gw_import_material_channel(const struct aiMaterial *from) {
+    const enum aiTextureType type =
+        has_texture(from, aiTextureType_BASE_COLOR) ? aiTextureType_BASE_COLOR : aiTextureType_DIFFUSE;
+    int channel = 0;
+    if (aiGetMaterialIntegerArray(from, "$tex.uvwsrc", type, 0, &channel, NULL) != aiReturn_SUCCESS ||
+        channel < 0 || channel >= AI_MAX_NUMBER_OF_TEXTURECOORDS)
+        return 0;
+    return (unsigned)channel;
+}

@@ -27,17 +27,15 @@ typedef struct member {
 
 struct gw_gate {
     uint32_t count; /* tiles of the layout; member 0 is not used */
-    int pixels;
     member *members;
 };
 
-gw_code gw_gate_create(const gw_layout *layout, int pixels, gw_gate **out, gw_error *error) {
+gw_code gw_gate_create(const gw_layout *layout, gw_gate **out, gw_error *error) {
     gw_gate *gate = NULL;
     gw_code code = gw_allocate((void **)&gate, 1, sizeof *gate, "frame gate", error);
     if (code)
         return code;
     gate->count = layout->tile_count;
-    gate->pixels = pixels;
     code = gw_allocate((void **)&gate->members, gate->count, sizeof *gate->members, "frame gate", error);
     for (uint32_t i = 1; i < gate->count && !code; i++) {
         member *m = &gate->members[i];
@@ -45,8 +43,7 @@ gw_code gw_gate_create(const gw_layout *layout, int pixels, gw_gate **out, gw_er
         m->rank = (int)i;
         m->sending = m->receiving = MPI_REQUEST_NULL;
         m->pixel_bytes = (size_t)rectangle->width * rectangle->height * 4;
-        if (pixels)
-            code = gw_allocate((void **)&m->tile.pixels, m->pixel_bytes, 1, "pixels of a tile", error);
+        code = gw_allocate((void **)&m->tile.pixels, m->pixel_bytes, 1, "pixels of a tile", error);
     }
     if (code)
         gw_gate_destroy(&gate);
@@ -103,13 +100,13 @@ static gw_code expect_pixels(member *m, gw_error *error) {
 }
 
 /* What a tile is waited for has come: go to its next stage. */
-static gw_code advance(gw_gate *gate, member *m, gw_error *error) {
+static gw_code advance(member *m, gw_error *error) {
     m->heard = gw_now_ns();
     if (m->stage == EXPECT_DONE) {
         m->tile.done = m->incoming;
         m->tile.done.text[sizeof m->tile.done.text - 1] = '\0';
         m->received = 0;
-        if (gate->pixels && m->tile.done.code == GW_OK)
+        if (m->release.pixels && m->tile.done.code == GW_OK)
             return expect_pixels(m, error);
     } else if (m->stage == EXPECT_PIXELS) {
         m->received +=
@@ -137,7 +134,7 @@ static gw_code look(gw_gate *gate, uint32_t *waiting, int *moved, gw_error *erro
             code = gw_mpi_check(MPI_Test(&m->receiving, &received, MPI_STATUS_IGNORE), "expecting a tile",
                                 error);
         if (!code && received) {
-            code = advance(gate, m, error);
+            code = advance(m, error);
             *moved = 1;
         }
         if (code)

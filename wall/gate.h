@@ -19,11 +19,13 @@ typedef enum gw_release_kind { GW_RELEASE_FRAME, GW_RELEASE_QUIT } gw_release_ki
 
 typedef struct gw_release {
     uint32_t kind;
-    uint32_t last; /* 1: the last frame of the run */
+    uint32_t last;   /* 1: the last frame of the run */
+    uint32_t pixels; /* 1: the answer's pixels are wanted */
+    uint32_t reserved;
     gw_frame_state state;
 } gw_release;
 
-/* A tile's answer to a release; its pixels follow if the run wants them. */
+/* A tile's answer to a release; its pixels follow if the release wants them. */
 typedef struct gw_done {
     uint32_t frame;
     int32_t code;      /* gw_code; not 0: text says why, and no pixels follow */
@@ -40,13 +42,13 @@ typedef struct gw_gate_tile {
     uint32_t lost_frame; /* frame at which it was declared lost */
     int complete;        /* this frame's answer and pixels are here */
     gw_done done;        /* this frame's answer */
-    uint8_t *pixels;     /* [height][width][4]; of the last complete frame */
+    uint8_t *pixels;     /* [height][width][4]; of the last frame whose pixels were wanted */
 } gw_gate_tile;
 
 typedef struct gw_gate gw_gate;
 
-/* Rank 0: tiles 1..tile_count-1 of the layout. pixels: 1 if tiles send theirs. */
-gw_code gw_gate_create(const gw_layout *layout, int pixels, gw_gate **out, gw_error *error);
+/* Rank 0: tiles 1..tile_count-1 of the layout. */
+gw_code gw_gate_create(const gw_layout *layout, gw_gate **out, gw_error *error);
 void gw_gate_destroy(gw_gate **gate); /* only when no tile is lost: MPI may still own a lost tile's memory */
 
 /* Releases every live tile into the frame. */

@@ -1,0 +1,42 @@
+/* Rank 0's part besides its tile: makes the frame states, opens the gate, collects the tiles, writes
+ * pictures, frames.csv and the report, and sums up. The thread that called MPI_Init. */
+#ifndef GW_WALL_CONDUCTOR_H
+#define GW_WALL_CONDUCTOR_H
+
+#include "base/status.h"
+#include "tracking/track.h"
+#include "wall/frames.h"
+#include "wall/gate.h"
+
+#include <jansson.h>
+#include <stdint.h>
+#include <stdio.h>
+
+struct gw_rank;
+
+typedef struct gw_conductor {
+    json_t *report;
+    gw_track *track;    /* NULL with recorded states, or a gaze from the command line */
+    gw_states recorded; /* of --states */
+    double stare[3];    /* mm, for --gaze */
+    uint32_t frame_count;
+    int64_t first_time, step;             /* ns, of the track's clock */
+    gw_frame_state *states;               /* [frame_count], as sent */
+    double *milliseconds;                 /* [frame_count], release to last pixel */
+    int64_t lost_frame[GW_MAXIMUM_TILES]; /* -1: not lost */
+    uint32_t lost_count;
+    gw_counters counters;           /* of all tiles and frames */
+    char *scene_line, *octree_line; /* for the summary */
+    gw_gate *gate;
+    FILE *rows; /* frames.csv, or NULL */
+} gw_conductor;
+
+/* Reads track or states and opens what will be written, so that mistakes show before the long work. */
+gw_code gw_conductor_init(gw_conductor *conductor, struct gw_rank *rank, int argc, char **argv,
+                          gw_error *error);
+/* Puts device, scene and octree into the report while rank 0 still has them. */
+gw_code gw_conductor_describe(gw_conductor *conductor, const struct gw_rank *rank, gw_error *error);
+/* All frames, lock-step, then quit, report and summary. GW_TILES_LOST when it finished without some tile. */
+gw_code gw_conductor_run(gw_conductor *conductor, struct gw_rank *rank, gw_error *error);
+
+#endif

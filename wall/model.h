@@ -1,0 +1,34 @@
+/* What every drawing verb starts with: the GL device, the imported scene and its octree. The thread that
+ * opened a model owns its device. */
+#ifndef GW_WALL_MODEL_H
+#define GW_WALL_MODEL_H
+
+#include "base/gl.h"
+#include "base/log.h"
+#include "base/status.h"
+#include "build/octree.h"
+#include "build/scene.h"
+#include "wall/options.h"
+
+typedef struct gw_model {
+    gw_gl *device;
+    gw_scene *scene;
+    gw_octree *octree;
+    double import_ms, build_ms; /* wall clock */
+} gw_model;
+
+/* Opens the device only. */
+gw_code gw_model_open_device(gw_model *model, const gw_draw_options *options, const gw_log *log,
+                             gw_error *error);
+/* Imports the scene only: needs no device. */
+gw_code gw_model_import(gw_model *model, const gw_draw_options *options, const gw_log *log, gw_error *error);
+/* Builds the octree of the imported scene on the open device. */
+gw_code gw_model_build(gw_model *model, const gw_draw_options *options, const gw_log *log, gw_error *error);
+/* Import first, because a wrong path is the commonest mistake and should be told at once; then device and
+ * octree. */
+gw_code gw_model_open(gw_model *model, const gw_draw_options *options, const gw_log *log, gw_error *error);
+/* Frees scene and octree, keeps the device. */
+void gw_model_drop(gw_model *model);
+void gw_model_close(gw_model *model);
+
+#endif

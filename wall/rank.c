@@ -1,0 +1,211 @@
+#include "wall/rank.h"
+
+#include "base/clock.h"
+#include "base/image.h"
+#include "base/memory.h"
+#include "wall/conductor.h"
+#include "wall/interrupt.h"
+#include "wall/mpi_wait.h"
+#include "wall/picture.h"
+#include "wall/verbs.h"
+
+#include <inttypes.h>
+#include <mpi.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const gw_tile *own_tile(const gw_rank *rank) {
+    return &rank->layout.tiles[rank->number];
+}
+
+/* --- a frame
+ * ---------------------------------------------------------------------------------------------------- */
+
+static gw_code write_own_picture(gw_rank *rank, const char *path, gw_error *error) {
+    const gw_tile *tile = own_tile(rank);
+    const gw_image image = {
+        .width = tile->rectangle.width, .height = tile->rectangle.height, .rgba = rank->pixels};
+    char comment[128];
+    snprintf(comment, sizeof comment, "Gazewall " GW_VERSION ", tile %s of %" PRIu32, tile->name,
+             rank->layout.tile_count);
+    gw_interrupt_hold();
+    gw_code code = path ? gw_image_write_png(path, &image, comment, error)
+                        : gw_fail(error, GW_MACHINE, "memory is out while naming a picture");
+    gw_interrupt_release();
+    return code;
+}
+
+static gw_code write_own_pictures(gw_rank *rank, const gw_release *release, gw_error *error) {
+    const char *name = own_tile(rank)->name;
+    char *path = gw_picture_path(rank->options.out, "tile-%s-%04" PRIu32 ".png", name, release->state.frame);
+    gw_code code = write_own_picture(rank, path, error);
+    free(path);
+    if (code || !release->last)
+        return code;
+    path = gw_picture_path(rank->options.out, "tile-%s.png", name);
+    code = write_own_picture(rank, path, error);
+    free(path);
+    return code;
+}
+
+void gw_rank_draw(gw_rank *rank, const gw_release *release, gw_done *done) {
+    const gw_tile *tile = own_tile(rank);
+    gw_error error = {0};
+    memset(done, 0, sizeof *done);
+    done->frame = release->state.frame;
+    int64_t begin = gw_now_ns();
+    gw_code code = gw_renderer_frame(rank->renderer, &rank->placement, &tile->plane, &tile->rectangle,
+                                     &release->state, rank->pixels, &done->counters, &error);
+    done->render_ns = gw_now_ns() - begin;
+    if (!code && rank->options.out)
+        code = write_own_pictures(rank, release, &error);
+    done->code = (int32_t)code;
+    snprintf(done->text, sizeof done->text, "%s", error.text);
+}
+
+/* --- before frame 1
+ * --------------------------------------------------------------------------------------------- */
+
+static gw_code spread_layout(gw_rank *rank, gw_error *error) {
+    gw_code code = rank->number == 0 ? gw_wall_layout(&rank->options.wall, &rank->layout, error) : GW_OK;
+    if (code)
+        return code;
+    MPI_Request request;
+    code = gw_mpi_check(
+        MPI_Ibcast(&rank->layout, (int)sizeof rank->layout, MPI_BYTE, 0, MPI_COMM_WORLD, &request),
+        "sending the layout", error);
+    if (!code)
+        code = gw_mpi_wait(&request, rank->load_deadline, "waiting for the layout", error);
+    if (!code && rank->layout.tile_count != (uint32_t)rank->size)
+        code = gw_fail(error, GW_MACHINE, "the wall has %" PRIu32 " tiles, but MPI started %d ranks",
+                       rank->layout.tile_count, rank->size);
+    return code;
+}
+
+/* Rank 0 imports and builds; then every rank maps the one copy of its machine. */
+static gw_code load(gw_rank *rank, gw_conductor *conductor, gw_error *error) {
+    gw_model *model = &rank->model;
+    const gw_draw_options *draw = &rank->options.draw;
+    gw_code code = GW_OK;
+    if (rank->number == 0)
+        code = gw_model_import(model, draw, &rank->line.log, error);
+    if (!code)
+        code = gw_model_open_device(model, draw, &rank->line.log, error);
+    if (!code && rank->number == 0) {
+        code = gw_model_build(model, draw, &rank->line.log, error);
+        if (!code)
+            code = gw_conductor_describe(conductor, rank, error);
+    }
+    if (!code)
+        code = gw_share_spread(&rank->share, model->scene, model->octree, rank->load_deadline, error);
+    gw_model_drop(model);
+    return code;
+}
+
+static gw_code get_ready(gw_rank *rank, gw_conductor *conductor, gw_error *error) {
+    gw_code code = load(rank, conductor, error);
+    if (code)
+        return code;
+    const gw_layout *layout = &rank->layout;
+    const gw_unpacked *shared = &rank->share.contents;
+    code = gw_place_scene(&shared->scene, layout->size[0], layout->size[1], layout->centre, layout->eye,
+                          &rank->placement, error);
+    if (code)
+        return code;
+    gw_renderer_options options = {.count = rank->options.draw.count, .log = &rank->line.log};
+    code = gw_renderer_create(rank->model.device, &shared->scene, &shared->octree, &options, &rank->renderer,
+                              error);
+    if (code)
+        return code;
+    const gw_rectangle *rectangle = &own_tile(rank)->rectangle;
+    code =
+        gw_allocate((void **)&rank->pixels, (size_t)rectangle->width * rectangle->height, 4, "pixels", error);
+    if (code)
+        return code;
+    gw_log_write(&rank->line.log, GW_LOG_DEBUG, "rank %d draws tile %s in process %ld", rank->number,
+                 own_tile(rank)->name, (long)getpid());
+    gw_link_send(&rank->line, GW_LINK_READY, 0, "");
+    /* The last collective: from here on nobody depends on a rank that may die. */
+    MPI_Request request;
+    code = gw_mpi_check(MPI_Ibarrier(MPI_COMM_WORLD, &request), "waiting for all ranks", error);
+    return code ? code : gw_mpi_wait(&request, rank->load_deadline, "waiting for all ranks", error);
+}
+
+/* --- the run
+ * ---------------------------------------------------------------------------------------------------- */
+
+/* Ranks above 0: draws what rank 0 releases until it says quit. */
+static gw_code follow(gw_rank *rank, gw_error *error) {
+    const int64_t patience = (int64_t)(rank->options.load_deadline * 1e9);
+    const gw_rectangle *rectangle = &own_tile(rank)->rectangle;
+    const size_t size = (size_t)rectangle->width * rectangle->height * 4;
+    for (;;) {
+        gw_release release;
+        gw_code code = gw_gate_wait(&release, patience, error);
+        if (code)
+            return code;
+        if (release.kind == GW_RELEASE_QUIT) {
+            gw_gate_leave();
+            return GW_OK;
+        }
+        gw_done done;
+        gw_rank_draw(rank, &release, &done);
+        code = gw_gate_answer(&done, done.code || !release.pixels ? NULL : rank->pixels, size, error);
+        if (code)
+            return code;
+    }
+}
+
+static gw_code start_mpi(gw_rank *rank, gw_error *error) {
+    if (MPI_Init(NULL, NULL) != MPI_SUCCESS)
+        return gw_fail(error, GW_MACHINE, "MPI could not be started");
+    MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN);
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank->number);
+    MPI_Comm_size(MPI_COMM_WORLD, &rank->size);
+    return gw_link_connect(rank->options.link, rank->number,
+                           rank->options.draw.quiet ? GW_LOG_ERROR : rank->options.draw.level, &rank->line,
+                           error);
+}
+
+static gw_code run(gw_rank *rank, int argc, char **argv, gw_error *error) {
+    gw_conductor conductor = {0};
+    gw_code code = gw_share_init(&rank->share, error);
+    if (!code)
+        code = spread_layout(rank, error);
+    if (!code && rank->number == 0)
+        code = gw_conductor_init(&conductor, rank, argc, argv, error);
+    if (!code)
+        code = get_ready(rank, &conductor, error);
+    if (!code)
+        code = rank->number == 0 ? gw_conductor_run(&conductor, rank, error) : follow(rank, error);
+    return code;
+}
+
+int gw_verb_rank(int argc, char **argv) {
+    static gw_rank rank;
+    gw_error error = {0};
+    int helped = 0;
+    /* mpirun is our parent: it dies with the launcher, and we with it. */
+    gw_interrupt_follow_parent(0);
+    gw_code code = gw_sim_options_parse(argc, argv, &rank.options, &helped, &error);
+    if (!code && !rank.options.link)
+        code = gw_fail(&error, GW_BAD_INPUT, "a rank is started by gazewall sim; start that");
+    if (!code)
+        code = start_mpi(&rank, &error);
+    if (code) {
+        fprintf(stderr, "gazewall rank: %s\n", error.text);
+        return (int)code;
+    }
+    rank.load_deadline = gw_now_ns() + (int64_t)(rank.options.load_deadline * 1e9);
+    code = run(&rank, argc, argv, &error);
+    if (code && code != GW_TILES_LOST)
+        gw_link_send(&rank.line, GW_LINK_FAILED, (int32_t)code, error.text);
+    else
+        gw_link_send(&rank.line, rank.number == 0 ? GW_LINK_RESULT : GW_LINK_LEFT, (int32_t)code, "");
+    /* No MPI_Finalize: it is a collective, and would wait for a tile that was lost. The GL device and the
+     * mappings end with the process. */
+    fflush(NULL);
+    _exit(code == GW_TILES_LOST ? 0 : (int)code);
+}

@@ -1,0 +1,52 @@
+/* The report: JSON with stable keys (docs/command-line.md); what was not measured or does not exist yet is
+ * null. Also the statistics that summaries and reports share. One thread. */
+#ifndef GW_WALL_REPORT_H
+#define GW_WALL_REPORT_H
+
+#include "base/gl.h"
+#include "base/hash.h"
+#include "base/image.h"
+#include "base/settings.h"
+#include "base/status.h"
+#include "build/octree.h"
+#include "build/scene.h"
+#include "render/renderer.h"
+#include "tracking/track.h"
+#include "wall/layout.h"
+
+#include <jansson.h>
+#include <stddef.h>
+
+/* Every key, null, but for version and command (the words of argv with spaces between). */
+gw_code gw_report_create(int argc, char **argv, json_t **out, gw_error *error);
+
+void gw_report_device(json_t *report, const gw_gl_limits *limits);
+/* Measures the float environment on the device. */
+gw_code gw_report_floats(json_t *report, gw_gl *device, gw_error *error);
+void gw_report_scene(json_t *report, const gw_scene *scene, double import_ms);
+void gw_report_octree(json_t *report, const gw_octree *octree, const gw_scene *scene,
+                      const gw_gl_limits *limits, double build_ms);
+void gw_report_settings(json_t *report, const gw_settings *settings);
+void gw_report_counters(json_t *report, const gw_counters *counters);
+void gw_report_track(json_t *report, const gw_track *track);
+
+/* lost_frame[i] is the frame at which tile i was lost, or -1. */
+void gw_report_tiles(json_t *report, const gw_layout *layout, const int64_t *lost_frame);
+
+typedef struct gw_spread {
+    double median, p95, maximum, minimum;
+} gw_spread;
+/* Of count values; all zero for none. */
+gw_spread gw_spread_of(const double *values, size_t count);
+/* frames and frame_ms. */
+void gw_report_frames(json_t *report, const double *milliseconds, size_t count);
+
+/* Hash of size and pixels. */
+gw_hash gw_image_hash(const gw_image *image);
+/* file may be NULL when the picture was not written. */
+void gw_report_image(json_t *report, const char *file, const gw_image *image);
+
+/* Writes it, keys in their fixed order. */
+gw_code gw_report_write(const json_t *report, const char *path, gw_error *error);
+
+#endif

@@ -1,0 +1,421 @@
+/* `gazewall sim`: the launcher. Starts one rank per tile under mpirun, speaks for them on the terminal, ends
+ * what does not end by itself, and alone decides the exit code - from what the ranks said, because mpirun
+ * with --enable-recovery reports success after a loss and never ends while a hung rank lives. */
+#include "wall/verbs.h"
+
+#include "base/clock.h"
+#include "base/file.h"
+#include "wall/console.h"
+#include "wall/interrupt.h"
+#include "wall/link.h"
+#include "wall/share.h"
+#include "wall/sim_options.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/signalfd.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { GRACE_MS = 2000, POLL_MS = 200, NOISE_BYTES = 8192 };
+
+typedef struct rank_line {
+    int socket; /* -1: not connected (yet, or any more) */
+    pid_t pid;
+    int number; /* -1 until it said hello */
+    int ready, left;
+} rank_line;
+
+typedef struct launcher {
+    gw_sim_options options;
+    gw_layout layout;
+    gw_console console;
+    char link_name[64];
+    int listener, signals, output; /* sockets and the pipe from mpirun */
+    pid_t mpirun;
+    int mpirun_ended;
+    rank_line ranks[GW_MAXIMUM_TILES];
+    uint32_t rank_count;
+    uint32_t ready_count;
+    int has_result;          /* rank 0 has told how the run ended */
+    int interrupted;         /* signal number, or 0 */
+    gw_error result;         /* code GW_OK until something else is known */
+    char noise[NOISE_BYTES]; /* what mpirun printed last, for when it fails to start */
+    size_t noise_size;
+} launcher;
+
+/* --- starting
+ * ---------------------------------------------------------------------------------------------------- */
+
+enum { MAXIMUM_WORDS = 512 };
+
+typedef struct words {
+    char *word[MAXIMUM_WORDS];
+    size_t count;
+} words;
+
+static void add_word(words *list, const char *word) {
+    /* The program's own words and argv's; argc is checked against the room before. */
+    list->word[list->count++] = (char *)(uintptr_t)word;
+    list->word[list->count] = NULL;
+}
+
+static gw_code own_path(char path[4096], gw_error *error) {
+    ssize_t length = readlink("/proc/self/exe", path, 4095);
+    if (length < 0)
+        return gw_fail(error, GW_MACHINE, "the program's own path cannot be read from /proc/self/exe: %s",
+                       strerror(errno));
+    path[length] = '\0';
+    return GW_OK;
+}
+
+/* gazewall launch PID mpirun ... gazewall rank --link=NAME, the user's words. */
+static gw_code make_command(const launcher *l, int argc, char **argv, char *path, char *pid, char *count,
+                            char *link, words *out, gw_error *error) {
+    if (argc > MAXIMUM_WORDS - 32)
+        return gw_fail(error, GW_BAD_INPUT, "the command line has %d words; at most %d are possible", argc,
+                       MAXIMUM_WORDS - 32);
+    sprintf(pid, "%ld", (long)getpid());
+    sprintf(count, "%" PRIu32, l->layout.tile_count);
+    snprintf(link, 80, "--link=%s", l->link_name);
+    const char *const head[] = {path,        "launch", pid,      "mpirun", "--enable-recovery",
+                                "--bind-to", "none",   "--quiet"};
+    for (size_t i = 0; i < sizeof head / sizeof head[0]; i++)
+        add_word(out, head[i]);
+    long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    if ((long)l->layout.tile_count > processors) {
+        add_word(out, "--oversubscribe");
+        gw_log_write(&l->console.log, GW_LOG_INFO,
+                     "%" PRIu32 " ranks share %ld processors (mpirun --oversubscribe)", l->layout.tile_count,
+                     processors);
+    }
+    if (geteuid() == 0) {
+        add_word(out, "--allow-run-as-root");
+        gw_log_write(&l->console.log, GW_LOG_INFO, "started as root (mpirun --allow-run-as-root)");
+    }
+    /* The ranks of one machine need no network, and copying through the other process's memory is often
+     * forbidden in containers. */
+    const char *const tail[] = {"--mca", "btl", "self,vader", "--mca", "btl_vader_single_copy_mechanism",
+                                "none",  "-np", count,        path,    "rank",
+                                link};
+    for (size_t i = 0; i < sizeof tail / sizeof tail[0]; i++)
+        add_word(out, tail[i]);
+    for (int i = 1; i < argc; i++)
+        add_word(out, argv[i]);
+    return GW_OK;
+}
+
+static gw_code spawn(launcher *l, char **command, gw_error *error) {
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC))
+        return gw_fail(error, GW_MACHINE, "no pipe to mpirun: %s", strerror(errno));
+    fcntl(ends[0], F_SETFL, O_NONBLOCK);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    /* A group of its own: Ctrl-C comes to the launcher alone, which then ends the others in order. */
+    posix_spawnattr_setflags(&attributes,
+                             POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+    sigset_t none, all;
+    sigemptyset(&none);
+    sigfillset(&all);
+    posix_spawnattr_setsigmask(&attributes, &none);
+    posix_spawnattr_setsigdefault(&attributes, &all);
+    int failed = posix_spawn(&l->mpirun, command[0], &actions, &attributes, command, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    posix_spawnattr_destroy(&attributes);
+    close(ends[1]);
+    l->output = ends[0];
+    return failed ? gw_fail(error, GW_MACHINE, "%s cannot be started: %s", command[0], strerror(failed))
+                  : GW_OK;
+}
+
+int gw_verb_launch(int argc, char **argv) {
+    long expected = argc > 2 ? strtol(argv[1], NULL, 10) : 0;
+    if (expected < 1 || !gw_interrupt_follow_parent((pid_t)expected))
+        return GW_ENDED_EARLY;
+    execvp(argv[2], argv + 2);
+    fprintf(stderr, "%s cannot be started: %s; install openmpi-bin\n", argv[2], strerror(errno));
+    return GW_MACHINE;
+}
+
+static gw_code start(launcher *l, int argc, char **argv, gw_error *error) {
+    /* From here on signals are read from a descriptor, in order with everything else that happens. */
+    sigset_t taken;
+    sigemptyset(&taken);
+    sigaddset(&taken, SIGINT);
+    sigaddset(&taken, SIGTERM);
+    sigaddset(&taken, SIGHUP);
+    sigaddset(&taken, SIGCHLD);
+    sigprocmask(SIG_BLOCK, &taken, NULL);
+    l->signals = signalfd(-1, &taken, SFD_CLOEXEC | SFD_NONBLOCK);
+    if (l->signals < 0)
+        return gw_fail(error, GW_MACHINE, "no descriptor for signals: %s", strerror(errno));
+    gw_code code = gw_link_listen(l->link_name, &l->listener, error);
+    if (code)
+        return code;
+    char path[4096], pid[24], count[16], link[80];
+    words command = {.count = 0};
+    code = own_path(path, error);
+    if (!code)
+        code = make_command(l, argc, argv, path, pid, count, link, &command, error);
+    return code ? code : spawn(l, command.word, error);
+}
+
+/* --- watching
+ * ---------------------------------------------------------------------------------------------------- */
+
+static const char *tile_name(const launcher *l, const rank_line *r) {
+    return r->number >= 0 && r->number < (int)l->layout.tile_count ? l->layout.tiles[r->number].name
+                                                                   : "unknown";
+}
+
+/* The first failure stays: what follows is its consequence. */
+static void conclude(launcher *l, gw_code code, const char *text) {
+    if (l->has_result)
+        return;
+    l->has_result = 1;
+    l->result.code = code;
+    snprintf(l->result.text, sizeof l->result.text, "%s", text);
+}
+
+static void take_message(launcher *l, rank_line *r, const gw_link_message *m) {
+    char text[sizeof m->text + 64];
+    switch ((gw_link_kind)m->kind) {
+    case GW_LINK_HELLO:
+        r->number = m->value;
+        gw_log_write(&l->console.log, GW_LOG_DEBUG, "rank %d (tile %s) is process %ld", r->number,
+                     tile_name(l, r), (long)r->pid);
+        break;
+    case GW_LINK_LOG:
+        gw_log_write(&l->console.log, (gw_log_level)m->value, "%s", m->text);
+        break;
+    case GW_LINK_PROGRESS:
+        gw_log_progress(&l->console.log, m->text, m->fraction);
+        break;
+    case GW_LINK_READY:
+        r->ready = 1;
+        l->ready_count++;
+        break;
+    case GW_LINK_PRINT:
+        gw_console_finish(&l->console);
+        puts(m->text);
+        break;
+    case GW_LINK_FAILED:
+        snprintf(text, sizeof text, "%s%s%s%s", r->number > 0 ? "tile " : "",
+                 r->number > 0 ? tile_name(l, r) : "", r->number > 0 ? ": " : "", m->text);
+        r->left = 1;
+        /* Once all are ready, a tile that fails is rank 0's to judge. */
+        if (r->number == 0 || l->ready_count < l->layout.tile_count)
+            conclude(l, (gw_code)m->value, text);
+        else
+            gw_log_write(&l->console.log, GW_LOG_WARNING, "%s", text);
+        break;
+    case GW_LINK_LEFT:
+        r->left = 1;
+        break;
+    case GW_LINK_RESULT:
+        r->left = 1;
+        conclude(l, (gw_code)m->value,
+                 m->value == GW_TILES_LOST ? "finished, but not all tiles lasted to the end" : "");
+        break;
+    }
+}
+
+static void lost_rank(launcher *l, rank_line *r) {
+    close(r->socket);
+    r->socket = -1;
+    if (r->left || l->has_result)
+        return;
+    char text[256];
+    snprintf(text, sizeof text, "rank %d (tile %s, process %ld) died %s", r->number, tile_name(l, r),
+             (long)r->pid, l->ready_count < l->layout.tile_count ? "before the first frame" : "on the way");
+    if (r->number == 0 || l->ready_count < l->layout.tile_count)
+        conclude(l, GW_ENDED_EARLY, text);
+    else
+        gw_log_write(&l->console.log, GW_LOG_WARNING, "%s", text);
+}
+
+static void read_rank(launcher *l, rank_line *r) {
+    gw_link_message message;
+    int got;
+    while ((got = gw_link_receive(r->socket, &message)) > 0)
+        take_message(l, r, &message);
+    if (got < 0)
+        lost_rank(l, r);
+}
+
+static void take_ranks(launcher *l) {
+    pid_t pid;
+    for (int taken; (taken = gw_link_accept(l->listener, &pid)) >= 0;) {
+        if (l->rank_count == l->layout.tile_count)
+            close(taken);
+        else
+            l->ranks[l->rank_count++] = (rank_line){.socket = taken, .pid = pid, .number = -1};
+    }
+}
+
+/* mpirun's own words: noise about ranks that left without MPI_Finalize, as ours do; worth showing if it
+ * fails. */
+static void read_output(launcher *l) {
+    char buffer[1024];
+    ssize_t size;
+    while ((size = read(l->output, buffer, sizeof buffer)) > 0) {
+        size_t room = sizeof l->noise - 1 - l->noise_size, take = (size_t)size < room ? (size_t)size : room;
+        memcpy(l->noise + l->noise_size, buffer, take);
+        l->noise_size += take;
+        gw_log_write(&l->console.log, GW_LOG_DEBUG, "mpirun: %.*s", (int)size, buffer);
+    }
+    if (size == 0) {
+        close(l->output);
+        l->output = -1;
+    }
+}
+
+static void read_signals(launcher *l) {
+    struct signalfd_siginfo info;
+    while (read(l->signals, &info, sizeof info) == (ssize_t)sizeof info)
+        if (info.ssi_signo != SIGCHLD && !l->interrupted) {
+            l->interrupted = (int)info.ssi_signo;
+            conclude(l, (gw_code)(128 + info.ssi_signo), "interrupted");
+        }
+    int status;
+    if (!l->mpirun_ended && waitpid(l->mpirun, &status, WNOHANG) == l->mpirun)
+        l->mpirun_ended = 1;
+}
+
+static void step(launcher *l, int timeout) {
+    struct pollfd wait[GW_MAXIMUM_TILES + 3];
+    wait[0] = (struct pollfd){.fd = l->listener, .events = POLLIN};
+    wait[1] = (struct pollfd){.fd = l->signals, .events = POLLIN};
+    wait[2] = (struct pollfd){.fd = l->output, .events = POLLIN};
+    nfds_t count = 3;
+    for (uint32_t i = 0; i < l->rank_count; i++)
+        wait[count++] = (struct pollfd){.fd = l->ranks[i].socket, .events = POLLIN};
+    if (poll(wait, count, timeout) < 0)
+        return;
+    take_ranks(l);
+    for (uint32_t i = 0; i < l->rank_count; i++)
+        if (l->ranks[i].socket >= 0)
+            read_rank(l, &l->ranks[i]);
+    if (l->output >= 0)
+        read_output(l);
+    read_signals(l);
+}
+
+/* mpirun ended and nobody told why: it could not start the ranks, or MPI ended them. */
+static void blame_mpirun(launcher *l) {
+    l->noise[l->noise_size] = '\0';
+    while (l->noise_size > 0 && (l->noise[l->noise_size - 1] == '\n' || l->noise[l->noise_size - 1] == ' '))
+        l->noise[--l->noise_size] = '\0';
+    char text[2000];
+    snprintf(text, sizeof text, "mpirun ended before the run did%s%s",
+             l->noise_size ? "; its last words:\n" : " and said nothing",
+             l->noise_size > 1800 ? l->noise + l->noise_size - 1800 : l->noise);
+    conclude(l, l->ready_count < l->layout.tile_count ? GW_MACHINE : GW_ENDED_EARLY, text);
+}
+
+static void watch(launcher *l) {
+    int64_t deadline = gw_now_ns() + (int64_t)(l->options.load_deadline * 1e9);
+    while (!l->has_result) {
+        step(l, POLL_MS);
+        if (l->mpirun_ended && !l->has_result) {
+            step(l, 0); /* what the ranks said last may still be in their lines */
+            blame_mpirun(l);
+        }
+        if (l->ready_count < l->layout.tile_count && gw_now_ns() > deadline) {
+            char text[160];
+            snprintf(text, sizeof text,
+                     "only %" PRIu32 " of %" PRIu32 " ranks were ready after %.0f s; raise --load-deadline",
+                     l->ready_count, l->layout.tile_count, l->options.load_deadline);
+            conclude(l, GW_ENDED_EARLY, text);
+        }
+    }
+}
+
+/* --- ending
+ * ------------------------------------------------------------------------------------------------------ */
+
+static int all_gone(const launcher *l) {
+    for (uint32_t i = 0; i < l->rank_count; i++)
+        if (l->ranks[i].socket >= 0)
+            return 0;
+    return l->mpirun_ended;
+}
+
+static void signal_all(const launcher *l, int number) {
+    /* mpirun puts every rank in a process group of its own, so each is told by itself. A closed line means
+     * that the rank is gone and its number perhaps somebody else's. */
+    for (uint32_t i = 0; i < l->rank_count; i++)
+        if (l->ranks[i].socket >= 0)
+            kill(l->ranks[i].pid, number);
+    if (!l->mpirun_ended)
+        kill(-l->mpirun, number);
+}
+
+static void wait_until_gone(launcher *l, int milliseconds) {
+    int64_t deadline = gw_now_ns() + milliseconds * INT64_C(1000000);
+    while (!all_gone(l) && gw_now_ns() < deadline)
+        step(l, 20);
+}
+
+static void end_all(launcher *l) {
+    if (l->mpirun <= 0)
+        return;
+    /* After a good end the ranks leave by themselves, and a lost one has its grace time. */
+    if (l->result.code == GW_OK || l->result.code == GW_TILES_LOST)
+        wait_until_gone(l, GRACE_MS);
+    if (!all_gone(l)) {
+        signal_all(l, SIGTERM);
+        wait_until_gone(l, GRACE_MS);
+    }
+    if (!all_gone(l)) {
+        gw_log_write(&l->console.log, GW_LOG_DEBUG, "ending what does not end by itself");
+        signal_all(l, SIGKILL);
+        wait_until_gone(l, GRACE_MS);
+    }
+    gw_share_sweep();
+}
+
+static gw_code run(launcher *l, int argc, char **argv) {
+    gw_error error = {0};
+    gw_code code = start(l, argc, argv, &error);
+    if (code)
+        conclude(l, code, error.text);
+    else
+        watch(l);
+    end_all(l);
+    gw_console_finish(&l->console);
+    fflush(stdout);
+    return l->result.code;
+}
+
+int gw_verb_sim(int argc, char **argv) {
+    static launcher l;
+    gw_error error = {0};
+    int helped = 0;
+    l.listener = l.signals = l.output = -1;
+    gw_code code = gw_sim_options_parse(argc, argv, &l.options, &helped, &error);
+    if (helped && !code)
+        return GW_OK;
+    if (!code)
+        code = gw_wall_layout(&l.options.wall, &l.layout, &error);
+    if (!code && l.options.out)
+        code = gw_make_directories(l.options.out, &error);
+    if (code)
+        return gw_console_fail("sim", &error);
+    gw_console_init(&l.console, "sim", l.options.draw.level, l.options.draw.quiet);
+    code = run(&l, argc, argv);
+    return code ? gw_console_fail("sim", &l.result) : GW_OK;
+}

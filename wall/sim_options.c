@@ -1,0 +1,250 @@
+#include "wall/sim_options.h"
+
+#include <errno.h>
+#include <string.h>
+
+void gw_wall_options_init(gw_wall_options *options, uint32_t columns, uint32_t rows) {
+    memset(options, 0, sizeof *options);
+    options->tiles[0] = columns;
+    options->tiles[1] = rows;
+    options->size[0] = 960;
+    options->size[1] = 540;
+    options->wall_width = 2000;
+}
+
+/* Sizes of the columns or rows of a split; checks them against the wall's size when that was given, too. */
+static gw_code split_axis(const gw_wall_options *options, int axis, const uint32_t *given, size_t given_count,
+                          uint32_t *parts, uint32_t *count, gw_error *error) {
+    const char *name = axis ? "rows" : "columns";
+    if (given_count == 0) {
+        *count = options->tiles[axis];
+        if (*count > GW_MAXIMUM_TILES || options->size[axis] < *count)
+            return gw_fail(error, GW_BAD_INPUT,
+                           "%u px cannot be split into %u %s; use fewer tiles or more pixels",
+                           options->size[axis], *count, name);
+        gw_split_evenly(options->size[axis], *count, parts);
+        return GW_OK;
+    }
+    uint64_t sum = 0;
+    for (size_t i = 0; i < given_count; i++) {
+        parts[i] = given[i];
+        sum += given[i];
+    }
+    *count = (uint32_t)given_count;
+    if (options->tiles_given && options->tiles[axis] != given_count)
+        return gw_fail(error, GW_BAD_INPUT, "--%s names %zu parts, --tiles %u; leave one of them out", name,
+                       given_count, options->tiles[axis]);
+    if (options->size_given && options->size[axis] != sum)
+        return gw_fail(error, GW_BAD_INPUT, "--%s add up to %llu px, --size says %u; leave one of them out",
+                       name, (unsigned long long)sum, options->size[axis]);
+    return GW_OK;
+}
+
+gw_code gw_wall_layout(const gw_wall_options *options, gw_layout *out, gw_error *error) {
+    if (options->site) {
+        if (options->tiles_given || options->size_given || options->width_count || options->height_count)
+            return gw_fail(
+                error, GW_BAD_INPUT,
+                "--site describes the whole wall; leave out --tiles, --size, --columns and --rows");
+        return gw_layout_load(options->site, out, error);
+    }
+    gw_grid grid = {
+        .left = options->bezel, .right = options->bezel, .top = options->bezel, .bottom = options->bezel};
+    gw_code code =
+        split_axis(options, 0, options->widths, options->width_count, grid.widths, &grid.columns, error);
+    if (!code)
+        code =
+            split_axis(options, 1, options->heights, options->height_count, grid.heights, &grid.rows, error);
+    if (code)
+        return code;
+    uint32_t pixels = 0;
+    for (uint32_t i = 0; i < grid.columns; i++)
+        pixels += grid.widths[i];
+    grid.pitch[0] = grid.pitch[1] = options->wall_width / pixels;
+    grid.eye[2] = 0.9 * options->wall_width;
+    return gw_layout_grid(&grid, out, error);
+}
+
+enum {
+    KEY_TILES = 0x2000,
+    KEY_SIZE,
+    KEY_COLUMNS,
+    KEY_ROWS,
+    KEY_SITE,
+    KEY_WALL_WIDTH,
+    KEY_BEZEL,
+    KEY_TRACK,
+    KEY_STATES,
+    KEY_SAVE_STATES,
+    KEY_OUT,
+    KEY_FRAMES,
+    KEY_STEP,
+    KEY_GAZE,
+    KEY_NO_GAZE,
+    KEY_LOAD_DEADLINE,
+    KEY_FRAME_DEADLINE,
+    KEY_LINK
+};
+
+static const struct argp_option sim_options[] = {
+    {NULL, 0, NULL, 0, "The wall:", 1},
+    {"tiles", KEY_TILES, "CxR", 0, "columns x rows of tiles, one rank each; default 2x2, at most 64 tiles",
+     1},
+    {"size", KEY_SIZE, "WxH", 0,
+     "the whole wall in px, default 960x540; splits that do not divide it give unequal tiles", 1},
+    {"columns", KEY_COLUMNS, "W,W,...", 0, "px, an uneven split: the width of each column of tiles", 1},
+    {"rows", KEY_ROWS, "H,H,...", 0, "px, the height of each row of tiles", 1},
+    {"wall-width", KEY_WALL_WIDTH, "MM", 0,
+     "10 to 1e6 mm, default 2000: width of the wall's pixels together; the untracked viewer stands 0.9 of it "
+     "away",
+     1},
+    {"bezel", KEY_BEZEL, "MM", 0, "0 to 1000 mm, default 0: bezel of every tile on every side", 1},
+    {"site", KEY_SITE, "FILE", 0, "a site file (docs/sites.md) instead of all of the above", 1},
+    {NULL, 0, NULL, 0, "Who looks where:", 2},
+    {"track", KEY_TRACK, "FILE", 0, "recording of head and gaze (VRPN log); default: the embedded demo track",
+     2},
+    {"gaze", KEY_GAZE, "X,Y", 0, "px of the wall: no track, the untracked viewer looks there", 2},
+    {"no-gaze", KEY_NO_GAZE, NULL, 0, "no track, nobody's gaze is known: sharp everywhere", 2},
+    {"frames", KEY_FRAMES, "N", 0, "1 to 1000000, default 1 (or all of --states)", 2},
+    {"step", KEY_STEP, "SECONDS", 0,
+     "0 to 3600 s from frame to frame; default: the frames spread over the track", 2},
+    {"states", KEY_STATES, "FILE", 0, "repeat recorded frame states instead of a track", 2},
+    {"save-states", KEY_SAVE_STATES, "FILE", 0, "record the frame states, one per frame", 2},
+    {NULL, 0, NULL, 0, "Results:", 3},
+    {"out", KEY_OUT, "FOLDER", 0,
+     "write pictures of the wall with and without bezels and of every tile, and frames.csv; made if missing",
+     3},
+    {NULL, 0, NULL, 0, "Patience:", 12},
+    {"load-deadline", KEY_LOAD_DEADLINE, "SECONDS", 0,
+     "1 to 86400 s, default 600: all ranks must be ready by then", 12},
+    {"frame-deadline", KEY_FRAME_DEADLINE, "SECONDS", 0,
+     "0.1 to 3600 s: a tile silent for so long is lost; default: 20 median frames, at least 10 s", 12},
+    {"link", KEY_LINK, "NAME", OPTION_HIDDEN, NULL, 0},
+    {0}};
+
+static gw_code parse_wall(int key, const char *argument, gw_wall_options *wall, gw_error *error) {
+    switch (key) {
+    case KEY_TILES:
+        wall->tiles_given = 1;
+        return gw_parse_pair("--tiles", argument, GW_MAXIMUM_TILES, wall->tiles, error);
+    case KEY_SIZE:
+        wall->size_given = 1;
+        return gw_parse_pair("--size", argument, GW_MAXIMUM_WALL_SIDE, wall->size, error);
+    case KEY_COLUMNS:
+        return gw_parse_integers("--columns", argument, GW_MAXIMUM_TILES, GW_MAXIMUM_WALL_SIDE, wall->widths,
+                                 &wall->width_count, error);
+    case KEY_ROWS:
+        return gw_parse_integers("--rows", argument, GW_MAXIMUM_TILES, GW_MAXIMUM_WALL_SIDE, wall->heights,
+                                 &wall->height_count, error);
+    case KEY_WALL_WIDTH:
+        return gw_parse_number("--wall-width", argument, 10, 1e6, &wall->wall_width, error);
+    case KEY_BEZEL:
+        return gw_parse_number("--bezel", argument, 0, 1000, &wall->bezel, error);
+    default:
+        wall->site = argument;
+        return GW_OK;
+    }
+}
+
+static gw_code parse_frames(int key, const char *argument, gw_sim_options *options, gw_error *error) {
+    int64_t integer = 0;
+    gw_code code = GW_OK;
+    switch (key) {
+    case KEY_FRAMES:
+        code = gw_parse_integer("--frames", argument, 1, 1000000, &integer, error);
+        options->frames = (uint32_t)integer;
+        return code;
+    case KEY_STEP:
+        return gw_parse_number("--step", argument, 0, 3600, &options->step, error);
+    case KEY_GAZE:
+        options->gaze = GW_GAZE_AT_PIXEL;
+        return gw_parse_numbers("--gaze", argument, 2, options->gaze_pixel, error);
+    case KEY_LOAD_DEADLINE:
+        return gw_parse_number("--load-deadline", argument, 1, 86400, &options->load_deadline, error);
+    default:
+        return gw_parse_number("--frame-deadline", argument, 0.1, 3600, &options->frame_deadline, error);
+    }
+}
+
+static error_t parse_sim(int key, char *argument, struct argp_state *state) {
+    gw_sim_options *options = state->input;
+    gw_error *error = options->draw.error;
+    gw_code code = GW_OK;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &options->draw;
+        break;
+    case KEY_TILES:
+    case KEY_SIZE:
+    case KEY_COLUMNS:
+    case KEY_ROWS:
+    case KEY_WALL_WIDTH:
+    case KEY_BEZEL:
+    case KEY_SITE:
+        code = parse_wall(key, argument, &options->wall, error);
+        break;
+    case KEY_FRAMES:
+    case KEY_STEP:
+    case KEY_GAZE:
+    case KEY_LOAD_DEADLINE:
+    case KEY_FRAME_DEADLINE:
+        code = parse_frames(key, argument, options, error);
+        break;
+    case KEY_NO_GAZE:
+        options->gaze = GW_GAZE_NONE;
+        break;
+    case KEY_TRACK:
+        options->track = argument;
+        break;
+    case KEY_STATES:
+        options->states = argument;
+        break;
+    case KEY_SAVE_STATES:
+        options->save_states = argument;
+        break;
+    case KEY_OUT:
+        options->out = argument;
+        break;
+    case KEY_LINK:
+        options->link = argument;
+        break;
+    case ARGP_KEY_ARG:
+        code = gw_fail(error, GW_BAD_INPUT, "'%s' belongs to no option; a scene is given as --scene %s",
+                       argument, argument);
+        break;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+    return code ? EINVAL : 0;
+}
+
+static const struct argp_child children[] = {{&gw_draw_argp, 0, NULL, 0}, {0}};
+
+static const struct argp sim_argp = {
+    .options = sim_options,
+    .parser = parse_sim,
+    .children = children,
+    .doc = "The wall on one machine: starts one MPI rank per tile under mpirun, shares one octree among "
+           "them, draws the "
+           "frames in lock-step and assembles the pictures.\v"
+           "Examples:\n"
+           "  gazewall sim --out pictures\n"
+           "  gazewall sim --scene dragon.glb --tiles 3x1 --size 1536x512 --frames 8 --out pictures\n"
+           "  gazewall sim --site configs/sites/3x2-bezels.yaml --gaze 480,180 --out pictures\n"};
+
+gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *helped, gw_error *error) {
+    memset(out, 0, sizeof *out);
+    gw_draw_options_init(&out->draw, error);
+    gw_wall_options_init(&out->wall, 2, 2);
+    out->step = -1;
+    out->load_deadline = 600;
+    gw_code code = gw_arguments_parse(&sim_argp, argc, argv, out, helped, error);
+    if (code || *helped)
+        return code;
+    if (out->track && (out->gaze != GW_GAZE_FROM_TRACK || out->states))
+        return gw_fail(error, GW_BAD_INPUT, "--track goes with neither --gaze, --no-gaze nor --states");
+    if (out->states && out->gaze != GW_GAZE_FROM_TRACK)
+        return gw_fail(error, GW_BAD_INPUT,
+                       "--states holds the gaze of every frame; leave out --gaze and --no-gaze");
+    return GW_OK;
+}

@@ -1,0 +1,47 @@
+/* The command line of `gazewall sim`, which its ranks read a second time: launcher and ranks see the same
+ * options. */
+#ifndef GW_WALL_SIM_OPTIONS_H
+#define GW_WALL_SIM_OPTIONS_H
+
+#include "base/status.h"
+#include "wall/layout.h"
+#include "wall/options.h"
+
+#include <stdint.h>
+
+/* Which wall: shared with `render`, which knows only size and wall_width. */
+typedef struct gw_wall_options {
+    uint32_t tiles[2], size[2];                                   /* columns x rows; px of the whole wall */
+    uint32_t widths[GW_MAXIMUM_TILES], heights[GW_MAXIMUM_TILES]; /* px, of an uneven split */
+    size_t width_count, height_count;                             /* 0: an even one */
+    double wall_width, bezel;                                     /* mm */
+    const char *site;
+    int tiles_given, size_given;
+} gw_wall_options;
+
+/* 2x2 tiles are sim's default, render has one; 960x540 px, 2000 mm wide. */
+void gw_wall_options_init(gw_wall_options *options, uint32_t columns, uint32_t rows);
+/* The wall that the options describe: a site file or a split. */
+gw_code gw_wall_layout(const gw_wall_options *options, gw_layout *out, gw_error *error);
+
+typedef enum gw_gaze_choice { GW_GAZE_FROM_TRACK, GW_GAZE_AT_PIXEL, GW_GAZE_NONE } gw_gaze_choice;
+
+typedef struct gw_sim_options {
+    gw_draw_options draw; /* first: its parser is a child of this one's */
+    gw_wall_options wall;
+    const char *track;       /* NULL: the embedded demo track */
+    const char *states;      /* recorded frame states to repeat, or NULL */
+    const char *save_states; /* or NULL */
+    const char *out;         /* folder for pictures and frames.csv, or NULL */
+    uint32_t frames;         /* 0: as many as states has, else 1 */
+    double step;             /* s between frames; negative: spread over the track */
+    gw_gaze_choice gaze;
+    double gaze_pixel[2];
+    double load_deadline, frame_deadline; /* s; frame_deadline 0: from the frames measured so far */
+    const char *link;                     /* hidden: the launcher's address, for ranks */
+} gw_sim_options;
+
+/* argv[0] is "sim" or "rank". */
+gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *helped, gw_error *error);
+
+#endif

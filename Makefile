@@ -40,13 +40,20 @@ SETUP_GROUPS += test
 endif
 # demo, test and setup may install; a plain build only says what is missing.
 SETUP_CHECK := --check
-ifneq ($(filter demo test hard setup,$(GOALS)),)
+ifneq ($(filter demo test hard,$(GOALS)),)
 SETUP_CHECK :=
 endif
 SETUP_STAMP := $(OUT)/setup-$(subst $() ,-,$(strip $(SETUP_GROUPS)))
 
-# Goals that build nothing must work with nothing installed.
+# Goals that build nothing must work with nothing installed. The others see to the packages before any rule is read,
+# once for each change of the list.
 ifneq ($(filter-out clean help format setup,$(GOALS)),)
+$(shell mkdir -p $(OUT); \
+	[ $(SETUP_STAMP) -nt .ci/packages ] && [ $(SETUP_STAMP) -nt .ci/setup ] || \
+	{ .ci/setup $(SETUP_CHECK) $(SETUP_GROUPS) >&2 && touch $(SETUP_STAMP); })
+ifneq ($(.SHELLSTATUS),0)
+$(error Packages are missing)
+endif
 include $(OUT)/libraries.mk
 endif
 
@@ -149,17 +156,12 @@ install: all
 clean:
 	rm -rf $(OUT)
 
-# --- set-up ----------------------------------------------------------------------------------------------------------
-
-$(SETUP_STAMP): .ci/packages .ci/setup
-	@mkdir -p $(@D)
-	@.ci/setup $(SETUP_CHECK) $(SETUP_GROUPS)
-	@touch $@
+# --- libraries ----------------------------------------------------------------------------------------------------------
 
 PACKAGES := epoxy egl glfw3 libpng libturbojpeg jansson yaml-0.1 cglm ompi-c zlib libxxhash assimp
 
 # Headers of others are system headers: our warnings are for our code.
-$(OUT)/libraries.mk: $(SETUP_STAMP) Makefile
+$(OUT)/libraries.mk: $(wildcard $(SETUP_STAMP)) Makefile
 	@pkg-config --print-errors --exists $(PACKAGES)
 	@{ printf 'LIBRARY_CFLAGS := %s\n' "$$(pkg-config --cflags $(PACKAGES) | sed 's/-I/-isystem /g')"; \
 	   printf 'LIBRARY_LIBS := %s\n' "$$(pkg-config --libs $(PACKAGES))"; } > $@.part

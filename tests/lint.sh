@@ -55,7 +55,8 @@ check_headers() {
 check_analysis() {
     need cppcheck || return
     report "cppcheck" "$(cppcheck --quiet --std=c11 --enable=warning,performance,portability --inline-suppr -I. \
-        -D_GNU_SOURCE -D__linux__ --suppress=missingInclude --suppress=missingIncludeSystem \
+        -D_GNU_SOURCE -D__linux__ --library=tests/cppcheck.cfg --suppress=missingInclude \
+        --suppress=missingIncludeSystem \
         --suppress=normalCheckLevelMaxBranches "${sources[@]}" 2>&1)"
 }
 

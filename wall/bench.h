@@ -1,0 +1,35 @@
+/* Benches: what they share. Each bench prints a summary, and writes NAME.csv and NAME.json into a folder if
+ * asked. */
+#ifndef GW_WALL_BENCH_H
+#define GW_WALL_BENCH_H
+
+#include "base/status.h"
+#include "wall/console.h"
+#include "wall/model.h"
+#include "wall/options.h"
+
+#include <jansson.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct gw_bench {
+    gw_draw_options draw;
+    const char *out;  /* folder, or NULL */
+    int quick;        /* fewer repeats and rays, for tests */
+    uint32_t repeats; /* 0: the bench's own number */
+    uint32_t size[2]; /* px, of benches that trace a picture; 0: the bench's own */
+    gw_console console;
+    gw_model model; /* scene imported, device open, octree built */
+    json_t *report; /* gw_report_create's, with device, scene, octree, settings */
+} gw_bench;
+
+/* Builds the octree again and again. Fails if two builds differ. */
+gw_code gw_bench_build(gw_bench *bench, gw_error *error);
+/* The same primary rays through this octree and through Embree. GW_MACHINE when Embree is not installed. */
+gw_code gw_bench_peers(gw_bench *bench, gw_error *error);
+
+/* Writes FOLDER/NAME.csv from text and FOLDER/NAME.json from the report, if there is a folder. */
+gw_code gw_bench_write(const gw_bench *bench, const char *name, const char *rows, size_t size,
+                       gw_error *error);
+
+#endif

@@ -1,0 +1,215 @@
+/* `gazewall bench peers`: the same primary rays through this octree, on the GL device, and through Embree, on
+ * the processor, in turns. Embree is loaded when asked for, so that the program runs where it is not
+ * installed. */
+#include "wall/bench.h"
+
+#include "base/clock.h"
+#include "base/memory.h"
+#include "render/renderer.h"
+#include "wall/peer.h"
+#include "wall/report.h"
+#include "wall/sim_options.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+/* Hits nearer together than this, relative to the distance, are the same surface: the two programs round
+ * differently, and at a shared edge either triangle is right. */
+static const double same_distance = 1e-4;
+
+typedef struct comparison {
+    uint64_t rays, both_miss, same;
+    uint64_t only_ours, only_theirs; /* one hits, the other misses */
+    uint64_t neighbour;        /* other triangle at the same distance: shared edges, coincident surfaces */
+    uint64_t different;        /* other distance */
+    double largest_difference; /* relative, among `same` and `neighbour` */
+} comparison;
+
+typedef struct peers {
+    gw_bench *bench;
+    gw_renderer *renderer;
+    gw_peer *peer;
+    size_t count;
+    gw_ray *rays;
+    gw_hit *ours, *theirs;
+    double our_ms[1000], their_ms[1000];
+} peers;
+
+/* The rays of the default wall's pixels, in rebased space, every one with the bits that both programs get. */
+static gw_code make_rays(peers *p, const uint32_t size[2], gw_error *error) {
+    gw_wall_options wall;
+    gw_layout layout;
+    gw_similarity placement;
+    const gw_scene *scene = p->bench->model.scene;
+    gw_wall_options_init(&wall, 1, 1);
+    wall.size[0] = size[0];
+    wall.size[1] = size[1];
+    gw_code code = gw_wall_layout(&wall, &layout, error);
+    if (!code)
+        code = gw_place_scene(scene, layout.size[0], layout.size[1], layout.centre, layout.eye, &placement,
+                              error);
+    p->count = (size_t)size[0] * size[1];
+    if (!code)
+        code = gw_allocate((void **)&p->rays, p->count, sizeof *p->rays, "rays", error);
+    if (code)
+        return code;
+    const gw_plane *plane = &layout.tiles[0].plane;
+    double eye[3];
+    gw_wall_to_rebased(&placement, scene, layout.eye, eye);
+    for (size_t i = 0; i < p->count; i++) {
+        double x = (double)(i % size[0]) + 0.5, y = (double)(i / size[0]) + 0.5, point[3], target[3],
+               length = 0;
+        for (int k = 0; k < 3; k++)
+            point[k] = plane->corner[k] + x * plane->step_x[k] + y * plane->step_y[k];
+        gw_wall_to_rebased(&placement, scene, point, target);
+        for (int k = 0; k < 3; k++)
+            length += (target[k] - eye[k]) * (target[k] - eye[k]);
+        length = sqrt(length);
+        for (int k = 0; k < 3; k++) {
+            p->rays[i].origin[k] = (float)eye[k];
+            p->rays[i].direction[k] = (float)((target[k] - eye[k]) / length);
+        }
+        p->rays[i].maximum = 1e30f;
+    }
+    return GW_OK;
+}
+
+static gw_code trace_both(peers *p, uint32_t repeats, gw_error *error) {
+    gw_code code = gw_allocate((void **)&p->ours, p->count, sizeof *p->ours, "hits", error);
+    if (!code)
+        code = gw_allocate((void **)&p->theirs, p->count, sizeof *p->theirs, "hits", error);
+    /* Run 0 warms up both: kernels, caches, threads. */
+    for (uint32_t i = 0; i <= repeats && !code; i++) {
+        int64_t begin = gw_now_ns();
+        code = gw_renderer_trace(p->renderer, GW_TRACE_OCTREE, p->rays, p->count, p->ours, NULL, error);
+        int64_t middle = gw_now_ns();
+        if (!code)
+            code = gw_peer_trace(p->peer, p->rays, p->count, p->theirs, error);
+        int64_t end = gw_now_ns();
+        if (i > 0) {
+            p->our_ms[i - 1] = (double)(middle - begin) * 1e-6;
+            p->their_ms[i - 1] = (double)(end - middle) * 1e-6;
+        }
+        gw_log_progress(&p->bench->console.log, "tracing in turns", (double)(i + 1) / (repeats + 1));
+    }
+    return code;
+}
+
+static comparison compare_hits(const peers *p) {
+    comparison c = {.rays = p->count};
+    for (size_t i = 0; i < p->count; i++) {
+        const gw_hit *a = &p->ours[i], *b = &p->theirs[i];
+        int hit_a = a->triangle != GW_NO_TRIANGLE, hit_b = b->triangle != GW_NO_TRIANGLE;
+        if (!hit_a || !hit_b) {
+            c.both_miss += !hit_a && !hit_b;
+            c.only_ours += hit_a && !hit_b;
+            c.only_theirs += !hit_a && hit_b;
+            continue;
+        }
+        double apart = fabs((double)a->t - (double)b->t) / fmax(fabs((double)b->t), 1e-6);
+        if (apart > same_distance) {
+            c.different++;
+            continue;
+        }
+        c.largest_difference = fmax(c.largest_difference, apart);
+        c.same += a->triangle == b->triangle;
+        c.neighbour += a->triangle != b->triangle;
+    }
+    return c;
+}
+
+static void report_peers(peers *p, const comparison *c, uint32_t repeats, const gw_spread *ours,
+                         const gw_spread *theirs) {
+    double rays = (double)p->count;
+    json_t *hits = json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f}", "rays", (json_int_t)c->rays,
+                             "both_miss", (json_int_t)c->both_miss, "same", (json_int_t)c->same, "neighbour",
+                             (json_int_t)c->neighbour, "only_ours", (json_int_t)c->only_ours, "only_theirs",
+                             (json_int_t)c->only_theirs, "different", (json_int_t)c->different,
+                             "largest_difference", c->largest_difference);
+    json_object_set_new(p->bench->report, "bench",
+                        json_pack("{s:s, s:s, s:i, s:f, s:f, s:f, s:f, s:f, s:o}", "name", "peers", "peer",
+                                  gw_peer_name(p->peer), "repeats", (int)repeats, "our_median_ms",
+                                  ours->median, "their_median_ms", theirs->median, "our_rays_per_s",
+                                  rays / (ours->median * 1e-3), "their_rays_per_s",
+                                  rays / (theirs->median * 1e-3), "ratio", ours->median / theirs->median,
+                                  "hits", hits));
+}
+
+static gw_code write_rows(const peers *p, uint32_t repeats, gw_error *error) {
+    char *text = NULL;
+    size_t size = 0;
+    FILE *stream = open_memstream(&text, &size);
+    if (!stream)
+        return gw_fail(error, GW_MACHINE, "memory is out while writing results");
+    fputs("run,our_ms,their_ms\n", stream);
+    for (uint32_t i = 0; i < repeats; i++)
+        fprintf(stream, "%" PRIu32 ",%.3f,%.3f\n", i, p->our_ms[i], p->their_ms[i]);
+    fclose(stream);
+    gw_code code = gw_bench_write(p->bench, "peers", text, size, error);
+    free(text);
+    return code;
+}
+
+static void print_summary(const peers *p, const comparison *c, const gw_spread *ours,
+                          const gw_spread *theirs) {
+    double rays = (double)p->count;
+    printf("%s: %zu primary rays, in turns, median (from to)\n", p->bench->model.scene->path, p->count);
+    printf("  gazewall   %8.1f ms (%.1f to %.1f), %.2f million rays/s on %s\n", ours->median, ours->minimum,
+           ours->maximum, rays / ours->median * 1e-3, gw_gl_limits_of(p->bench->model.device)->renderer);
+    printf("  %-10s %8.1f ms (%.1f to %.1f), %.2f million rays/s\n", gw_peer_name(p->peer), theirs->median,
+           theirs->minimum, theirs->maximum, rays / theirs->median * 1e-3);
+    printf("  ratio of the medians %.2f\n", ours->median / theirs->median);
+    printf("  hits: %" PRIu64 " the same, %" PRIu64 " both miss, %" PRIu64
+           " the neighbour at the same distance, %" PRIu64 " only ours, %" PRIu64 " only theirs, %" PRIu64
+           " elsewhere; distances within %.1e\n",
+           c->same, c->both_miss, c->neighbour, c->only_ours, c->only_theirs, c->different,
+           c->largest_difference);
+}
+
+static gw_code measure(peers *p, gw_error *error) {
+    gw_bench *bench = p->bench;
+    uint32_t repeats = bench->repeats ? bench->repeats : bench->quick ? 2 : 7;
+    uint32_t size[2] = {bench->size[0], bench->size[1]};
+    if (!size[0]) {
+        size[0] = bench->quick ? 160 : 1024;
+        size[1] = bench->quick ? 90 : 576;
+    }
+    gw_renderer_options options = {.log = &bench->console.log};
+    gw_code code = gw_peer_create(bench->model.scene, &p->peer, error);
+    if (!code)
+        code = gw_renderer_create(bench->model.device, bench->model.scene, bench->model.octree, &options,
+                                  &p->renderer, error);
+    if (!code)
+        code = make_rays(p, size, error);
+    if (!code)
+        code = trace_both(p, repeats, error);
+    if (code)
+        return code;
+    comparison c = compare_hits(p);
+    gw_spread ours = gw_spread_of(p->our_ms, repeats), theirs = gw_spread_of(p->their_ms, repeats);
+    report_peers(p, &c, repeats, &ours, &theirs);
+    code = write_rows(p, repeats, error);
+    if (!code) {
+        gw_console_finish(&bench->console);
+        print_summary(p, &c, &ours, &theirs);
+    }
+    return code;
+}
+
+gw_code gw_bench_peers(gw_bench *bench, gw_error *error) {
+    peers *p = NULL;
+    gw_code code = gw_allocate((void **)&p, 1, sizeof *p, "the comparison", error);
+    if (code)
+        return code;
+    p->bench = bench;
+    code = measure(p, error);
+    gw_renderer_destroy(&p->renderer);
+    gw_peer_destroy(&p->peer);
+    free(p->rays);
+    free(p->ours);
+    free(p->theirs);
+    free(p);
+    return code;
+}

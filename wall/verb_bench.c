@@ -1,0 +1,157 @@
+/* `gazewall bench WHAT`: measurements. */
+#include "wall/verbs.h"
+
+#include "base/file.h"
+#include "base/suggest.h"
+#include "wall/bench.h"
+#include "wall/interrupt.h"
+#include "wall/picture.h"
+#include "wall/report.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct bench_kind {
+    const char *name;
+    gw_code (*run)(gw_bench *bench, gw_error *error);
+} bench_kind;
+
+static const bench_kind kinds[] = {{"build", gw_bench_build}, {"peers", gw_bench_peers}};
+enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };
+
+typedef struct bench_options {
+    gw_bench bench;
+    const bench_kind *kind;
+} bench_options;
+
+enum { KEY_OUT = 0x5000, KEY_QUICK, KEY_REPEATS, KEY_SIZE };
+
+static const struct argp_option options_table[] = {
+    {"out", KEY_OUT, "FOLDER", 0, "write WHAT.csv and WHAT.json there; made if missing", 1},
+    {"quick", KEY_QUICK, NULL, 0, "fewer repeats and rays: shows that it works, measures little", 1},
+    {"repeats", KEY_REPEATS, "N", 0, "1 to 1000; default 7 (quick 2)", 1},
+    {"size", KEY_SIZE, "WxH", 0,
+     "px, of the picture whose rays peers traces; default 1024x576 (quick 160x90)", 1},
+    {0}};
+
+static gw_code choose_kind(bench_options *o, const char *word, gw_error *error) {
+    const char *names[KIND_COUNT];
+    for (size_t i = 0; i < KIND_COUNT; i++) {
+        names[i] = kinds[i].name;
+        if (!strcmp(word, kinds[i].name) && !o->kind) {
+            o->kind = &kinds[i];
+            return GW_OK;
+        }
+    }
+    if (o->kind)
+        return gw_fail(error, GW_BAD_INPUT, "'%s' is one word too many; bench measures one thing at a time",
+                       word);
+    const char *near = gw_suggest(word, names, KIND_COUNT);
+    return gw_fail(error, GW_BAD_INPUT, "there is no bench '%s'; it is build or peers%s%s%s", word,
+                   near ? " (did you mean '" : "", near ? near : "", near ? "'?)" : "");
+}
+
+static error_t parse_bench(int key, char *argument, struct argp_state *state) {
+    bench_options *o = state->input;
+    gw_error *error = o->bench.draw.error;
+    int64_t integer = 0;
+    gw_code code = GW_OK;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &o->bench.draw;
+        break;
+    case KEY_OUT:
+        o->bench.out = argument;
+        break;
+    case KEY_QUICK:
+        o->bench.quick = 1;
+        break;
+    case KEY_REPEATS:
+        code = gw_parse_integer("--repeats", argument, 1, 1000, &integer, error);
+        o->bench.repeats = (uint32_t)integer;
+        break;
+    case KEY_SIZE:
+        code = gw_parse_pair("--size", argument, 8192, o->bench.size, error);
+        break;
+    case ARGP_KEY_ARG:
+        code = choose_kind(o, argument, error);
+        break;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+    return code ? EINVAL : 0;
+}
+
+static const struct argp_child children[] = {{&gw_draw_argp, 0, NULL, 0}, {0}};
+static const struct argp bench_argp = {
+    .options = options_table,
+    .parser = parse_bench,
+    .args_doc = "build|peers",
+    .children = children,
+    .doc =
+        "build: builds the scene's octree again and again; medians, phases, pairs, bytes a triangle.\n"
+        "peers: traces the same primary rays through this octree and through Embree (libembree3), in turns; "
+        "ratio of the medians, and every hit on which they differ, by kind.\v"
+        "Examples:\n"
+        "  gazewall bench build --scene dragon.ply --out results\n"
+        "  gazewall bench peers --quick\n"};
+
+gw_code gw_bench_write(const gw_bench *bench, const char *name, const char *rows, size_t size,
+                       gw_error *error) {
+    if (!bench->out)
+        return GW_OK;
+    char *csv = gw_picture_path(bench->out, "%s.csv", name),
+         *json = gw_picture_path(bench->out, "%s.json", name);
+    gw_code code = csv && json ? gw_make_directories(bench->out, error)
+                               : gw_fail(error, GW_MACHINE, "memory is out while naming results");
+    gw_interrupt_hold();
+    if (!code)
+        code = gw_file_write(csv, rows, size, error);
+    if (!code)
+        code = gw_report_write(bench->report, json, error);
+    gw_interrupt_release();
+    free(csv);
+    free(json);
+    return code;
+}
+
+static gw_code prepare(gw_bench *bench, int argc, char **argv, gw_error *error) {
+    gw_model *model = &bench->model;
+    gw_code code = gw_report_create(argc, argv, &bench->report, error);
+    if (!code)
+        code = gw_model_open(model, &bench->draw, &bench->console.log, error);
+    if (code)
+        return code;
+    const gw_gl_limits *limits = gw_gl_limits_of(model->device);
+    gw_report_device(bench->report, limits);
+    gw_report_scene(bench->report, model->scene, model->import_ms);
+    gw_report_octree(bench->report, model->octree, model->scene, limits, model->build_ms);
+    gw_report_settings(bench->report, &bench->draw.settings);
+    return GW_OK;
+}
+
+int gw_verb_bench(int argc, char **argv) {
+    static bench_options o;
+    gw_bench *bench = &o.bench;
+    gw_error error = {0};
+    int helped = 0;
+    gw_draw_options_init(&bench->draw, &error);
+    gw_code code = gw_arguments_parse(&bench_argp, argc, argv, &o, &helped, &error);
+    if (helped && !code)
+        return GW_OK;
+    if (!code && !o.kind)
+        code = gw_fail(&error, GW_BAD_INPUT,
+                       "say what to measure: gazewall bench build, or gazewall bench peers");
+    gw_console_init(&bench->console, "bench", bench->draw.level, bench->draw.quiet);
+    if (!code)
+        code = prepare(bench, argc, argv, &error);
+    if (!code)
+        code = o.kind->run(bench, &error);
+    if (!code && bench->draw.report)
+        code = gw_report_write(bench->report, bench->draw.report, &error);
+    gw_model_close(&bench->model);
+    json_decref(bench->report);
+    gw_console_finish(&bench->console);
+    return code ? gw_console_fail("bench", &error) : GW_OK;
+}

@@ -7,6 +7,7 @@
 #include <string.h>
 
 enum { ARCH_STEPS = 24 };
+#define FLOOR_PERIOD 1.25 /* m */
 
 /* A wall standing on a line: point (s, y) of its front is origin + s * along + y up; depth is its thickness.
  */
@@ -141,6 +142,17 @@ static void archivolt(demo_mesh *mesh, const wall *w, const bay *b, double width
     demo_grid(mesh, 32, 12, 0, 0, moulding_surface, &m, DEMO_MARBLE);
 }
 
+/* The blocks from which a moulding springs. */
+static void imposts(demo_mesh *mesh, const wall *w, const bay *b, double width) {
+    for (double side = -1.0; side <= 1.0; side += 2.0) {
+        demo_point p =
+            wall_point(w, b->centre + side * (b->half_width - 0.015), b->spring - 0.09, -0.5 * width);
+        demo_point q = wall_point(w, b->centre + side * (b->half_width + width + 0.02), b->spring, 0.02);
+        demo_box(mesh, (demo_point){fmin(p.x, q.x), p.y, fmin(p.z, q.z)},
+                 (demo_point){fmax(p.x, q.x), q.y, fmax(p.z, q.z)}, 1.0, NULL, DEMO_MARBLE);
+    }
+}
+
 /* Bars of a window: uprights and cross-bars as thin boxes, the fine structure that voxels must not lose. */
 static void window_bars(demo_mesh *mesh, const wall *w, const bay *b, int uprights, int crossbars) {
     const double thick = 0.018;
@@ -203,6 +215,12 @@ static double ceiling_shade(demo_point p) {
     return 0.55;
 }
 
+/* Steps: the foot of each riser is darker than its edge. */
+static double step_shade(demo_point p) {
+    double edge = 0.15 * (1.0 + (-14.2 - p.z) / 0.4); /* height of the tread that ends here */
+    return p.y > edge - 0.01 ? 0.95 : 0.45;
+}
+
 /* One side of the nave; side is -1 for the left, 1 for the right. */
 static void arcade(demo_mesh *mesh, double side) {
     demo_point along = {0.0, 0.0, side}; /* along x up = normal: towards the nave */
@@ -249,6 +267,7 @@ static void aisle(demo_mesh *mesh, double side) {
         b.centre = 0.5 * (b.s0 + b.s1);
         wall_bay(mesh, &w, &b);
         archivolt(mesh, &w, &b, 0.1, 0.03);
+        imposts(mesh, &w, &b, 0.1);
         window_bars(mesh, &w, &b, 2, 4);
     }
     double last = DEMO_FIRST_COLUMN - DEMO_BAY * DEMO_BAYS;
@@ -297,8 +316,8 @@ static void cornice(demo_mesh *mesh, double side) {
 
 /* One coffer of the vault: rib, slope and recessed panel on a grid of breaks. */
 enum { COFFERS_AROUND = 9, COFFERS_ALONG = 20, BREAKS_AROUND = 9, BREAKS_ALONG = 6 };
-static const double around_breaks[BREAKS_AROUND] = {0.0, 0.14, 0.22, 0.36, 0.5, 0.64, 0.78, 0.86, 1.0};
-static const double along_breaks[BREAKS_ALONG] = {0.0, 0.14, 0.22, 0.78, 0.86, 1.0};
+static const double around_breaks[BREAKS_AROUND] = {0.0, 0.1, 0.15, 0.325, 0.5, 0.675, 0.85, 0.9, 1.0};
+static const double along_breaks[BREAKS_ALONG] = {0.0, 0.1, 0.15, 0.85, 0.9, 1.0};
 
 static demo_vertex vault_vertex(double turn, double z, double depth) {
     double radius = DEMO_ARCADE - DEMO_THICKNESS + depth;
@@ -309,7 +328,7 @@ static demo_vertex vault_vertex(double turn, double z, double depth) {
 }
 
 static void coffer_cell(demo_mesh *mesh, int coffer_around, int coffer_along, int i, int k) {
-    static const double recess = 0.07;
+    static const double recess = 0.05;
     uint32_t index[4];
     demo_vertex vertices[4];
     double depths[4];
@@ -320,8 +339,8 @@ static void coffer_cell(demo_mesh *mesh, int coffer_around, int coffer_along, in
         double z = DEMO_NEAR + (DEMO_FAR - DEMO_NEAR) * (coffer_along + along_breaks[b]) / COFFERS_ALONG;
         depths[corner] = deep ? recess : 0.0;
         vertices[corner] = vault_vertex(turn, z, depths[corner]);
-        vertices[corner].u = (around_breaks[a] - 0.22) / 0.56;
-        vertices[corner].v = (along_breaks[b] - 0.22) / 0.56;
+        vertices[corner].u = (around_breaks[a] - 0.15) / 0.7;
+        vertices[corner].v = (along_breaks[b] - 0.15) / 0.7;
     }
     int deep_corners = 0;
     for (int corner = 0; corner < 4; corner++)
@@ -358,6 +377,7 @@ static void end_wall(demo_mesh *mesh) {
     wall_rectangle(mesh, &w, -4.3, -2.4, 0.0, 3.9);
     wall_rectangle(mesh, &w, 2.4, 4.3, 0.0, 3.9);
     archivolt(mesh, &w, &b, 0.24, 0.07);
+    imposts(mesh, &w, &b, 0.24);
     window_bars(mesh, &w, &b, 3, 4);
     demo_point low = {-3.2, -0.3, DEMO_FAR - 0.7}, high = {3.2, 5.2, DEMO_FAR - 0.7};
     demo_vertex vertex = {.normal = {0.0, 0.0, 1.0}, .shade = 1.0};
@@ -373,14 +393,65 @@ static void end_wall(demo_mesh *mesh) {
     demo_add_triangle(mesh, index[0], index[2], index[3], DEMO_LANDSCAPE);
 }
 
+/* Where sunlight through a point of the left aisle's windows meets the floor, just above the slabs. */
+static demo_point sun_on_floor(double z, double y) {
+    demo_point p = {-4.3, y, z};
+    p = demo_add(p, demo_scaled(demo_sun, y / -demo_sun.y));
+    p.y = 0.003;
+    return p;
+}
+
+static void sun_patch(demo_mesh *mesh, const double corners[4][2]) {
+    uint32_t index[4];
+    for (int i = 0; i < 4; i++) {
+        demo_vertex vertex = {.normal = {0.0, 1.0, 0.0}};
+        vertex.position = sun_on_floor(corners[i][0], corners[i][1]);
+        vertex.u = vertex.position.x / FLOOR_PERIOD;
+        vertex.v = vertex.position.z / FLOOR_PERIOD;
+        vertex.shade = floor_shade(vertex.position);
+        index[i] = demo_add_vertex(mesh, &vertex);
+    }
+    demo_add_triangle(mesh, index[0], index[2], index[1], DEMO_SUNLIT);
+    demo_add_triangle(mesh, index[0], index[3], index[2], DEMO_SUNLIT);
+}
+
+/* The sun through one window: a patch for each pane between the bars. */
+static void sun_through_window(demo_mesh *mesh, double centre) {
+    static const double half_width = 0.55, sill = 0.9, spring = 2.6, bar = 0.03;
+    enum { STEPS = 5 };
+    for (int column = 0; column < 3; column++) {
+        double left = half_width * (2.0 * column / 3.0 - 1.0) + bar,
+               right = left + 2.0 * half_width / 3.0 - 2.0 * bar;
+        for (int row = 0; row < 4; row++) {
+            double low = sill + (spring - sill) * row / 4.0 + bar,
+                   high = low + (spring - sill) / 4.0 - 2.0 * bar;
+            sun_patch(mesh, (const double[4][2]){{centre - left, low},
+                                                 {centre - right, low},
+                                                 {centre - right, high},
+                                                 {centre - left, high}});
+        }
+        for (int step = 0; step < STEPS; step++) {
+            double a = left + (right - left) * step / STEPS, b = left + (right - left) * (step + 1) / STEPS;
+            double low = spring + bar, top_a = spring + sqrt(half_width * half_width - a * a);
+            double top_b = spring + sqrt(half_width * half_width - b * b);
+            sun_patch(mesh, (const double[4][2]){{centre - a, low},
+                                                 {centre - b, low},
+                                                 {centre - b, fmax(top_b, low + 0.01)},
+                                                 {centre - a, fmax(top_a, low + 0.01)}});
+        }
+    }
+}
+
 void demo_hall(demo_mesh *mesh) {
     demo_quad(mesh, (demo_point){-4.3, 0.0, DEMO_NEAR}, (demo_point){4.3, 0.0, DEMO_NEAR},
-              (demo_point){4.3, 0.0, DEMO_FAR}, (demo_point){-4.3, 0.0, DEMO_FAR}, 43, 75, 1.25, floor_shade,
-              DEMO_FLOOR);
+              (demo_point){4.3, 0.0, DEMO_FAR}, (demo_point){-4.3, 0.0, DEMO_FAR}, 43, 75, FLOOR_PERIOD,
+              floor_shade, DEMO_FLOOR);
+    for (int i = 0; i + 1 < DEMO_BAYS; i++) /* the last window's would lie outside */
+        sun_through_window(mesh, DEMO_FIRST_COLUMN - DEMO_BAY * (i + 0.5));
     demo_box(mesh, (demo_point){-0.7, 0.0, -14.2}, (demo_point){0.7, 0.012, -3.0}, 1.4, NULL, DEMO_CARPET);
     for (int i = 0; i < 3; i++)
         demo_box(mesh, (demo_point){-2.2, 0.15 * i, DEMO_FAR},
-                 (demo_point){2.2, 0.15 * (i + 1), -14.2 - 0.4 * i}, 1.25, NULL, DEMO_MARBLE);
+                 (demo_point){2.2, 0.15 * (i + 1), -14.2 - 0.4 * i}, 1.25, step_shade, DEMO_MARBLE);
     for (double side = -1.0; side <= 1.0; side += 2.0) {
         arcade(mesh, side);
         aisle(mesh, side);
@@ -390,14 +461,14 @@ void demo_hall(demo_mesh *mesh) {
     end_wall(mesh);
 }
 
-static const demo_profile column_base[] = {{0.24, 0.10},  {0.255, 0.12}, {0.26, 0.14},  {0.25, 0.165},
-                                           {0.22, 0.175}, {0.22, 0.175}, {0.215, 0.19}, {0.225, 0.205},
-                                           {0.22, 0.225}, {0.195, 0.235}};
+static const demo_profile column_base[] = {{0.24, 0.10},  {0.255, 0.12},  {0.26, 0.14},  {0.25, 0.165},
+                                           {0.22, 0.175}, {0.22, 0.175},  {0.215, 0.19}, {0.225, 0.205},
+                                           {0.22, 0.225}, {0.195, 0.235}, {0.16, 0.24}};
 static const demo_profile column_shaft[] = {{0.19, 0.235}, {0.191, 0.6}, {0.19, 1.0},
                                             {0.185, 1.4},  {0.176, 1.8}, {0.168, 2.12}};
-static const demo_profile column_head[] = {{0.17, 2.12},  {0.185, 2.125}, {0.185, 2.15}, {0.17, 2.155},
-                                           {0.17, 2.155}, {0.172, 2.2},   {0.185, 2.26}, {0.22, 2.32},
-                                           {0.255, 2.35}, {0.26, 2.36}};
+static const demo_profile column_head[] = {{0.14, 2.12},  {0.17, 2.12},  {0.17, 2.12},  {0.185, 2.125},
+                                           {0.185, 2.15}, {0.17, 2.155}, {0.17, 2.155}, {0.172, 2.2},
+                                           {0.185, 2.26}, {0.22, 2.32},  {0.255, 2.35}, {0.26, 2.36}};
 #define COUNT(profile) ((int)(sizeof(profile) / sizeof(profile)[0]))
 
 static double capital_shade(demo_point p) {
@@ -412,7 +483,7 @@ void demo_columns(demo_mesh *mesh) {
             demo_lathe_options plain = {
                 .sides = 36, .turns = 1.0, .period = 1.2, .shade_low = 0.75, .shade_high = 1.0};
             demo_lathe_options fluted = plain;
-            fluted.sides = 120;
+            fluted.sides = 100;
             fluted.flutes = 20;
             fluted.flute_depth = 0.09;
             fluted.shade_low = 0.85;

@@ -249,12 +249,13 @@ void demo_lathe(demo_mesh *mesh, demo_point centre, const demo_profile *profile,
 void demo_tube(demo_mesh *mesh, const demo_point *points, const double *radii, int count, int sides,
                double shade, demo_material material) {
     uint32_t first = (uint32_t)mesh->vertex_count;
-    demo_point reference = {0.31, 0.17, 0.93}; /* along none of the axes, so never along a branch by design */
+    demo_point side = {0.31, 0.17, 0.93}; /* carried along, so that the tube does not twist */
     double length = 0.0;
     for (int i = 0; i < count; i++) {
         demo_point along =
             demo_unit(demo_subtract(points[i + 1 < count ? i + 1 : i], points[i > 0 ? i - 1 : i]));
-        demo_point side = demo_unit(demo_cross(along, reference)), up = demo_cross(along, side);
+        side = demo_unit(demo_subtract(side, demo_scaled(along, demo_dot(side, along))));
+        demo_point up = demo_cross(along, side);
         if (i > 0)
             length += sqrt(
                 demo_dot(demo_subtract(points[i], points[i - 1]), demo_subtract(points[i], points[i - 1])));

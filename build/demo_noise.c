@@ -14,17 +14,23 @@ double demo_random(uint32_t *state) {
     return (demo_hash(*state, *state >> 16, 77u) >> 8) * (1.0 / 16777216.0);
 }
 
+/* 0 <= result < 1; the row's part of the hash is mixed once for two columns. */
+static double lattice(uint32_t column, uint32_t row) {
+    uint32_t h = (column * 0x9e3779b1u) ^ row;
+    h = (h ^ h >> 15) * 0x2c1b3c6du;
+    return (h ^ h >> 14) * (1.0 / 4294967296.0);
+}
+
 double demo_noise(double x, double y, uint32_t period, uint32_t seed) {
-    double fx = floor(x), fy = floor(y);
-    int64_t ix = (int64_t)fx, iy = (int64_t)fy, n = period;
-    uint32_t x0 = (uint32_t)(((ix % n) + n) % n), y0 = (uint32_t)(((iy % n) + n) % n);
-    uint32_t x1 = x0 + 1 == period ? 0 : x0 + 1, y1 = y0 + 1 == period ? 0 : y0 + 1;
-    double s = x - fx, t = y - fy;
+    double fx = floor(x), fy = floor(y), s = x - fx, t = y - fy;
+    /* No texture has as many periods to the left of its origin as are added here; it keeps the remainder
+     * positive. */
+    uint32_t x0 = ((uint32_t)(int32_t)fx + 64u * period) % period, x1 = x0 + 1 == period ? 0 : x0 + 1;
+    uint32_t y0 = ((uint32_t)(int32_t)fy + 64u * period) % period, y1 = y0 + 1 == period ? 0 : y0 + 1;
+    uint32_t low = demo_hash(y0, seed, 1), high = demo_hash(y1, seed, 1);
     s = s * s * (3.0 - 2.0 * s);
     t = t * t * (3.0 - 2.0 * t);
-    const double unit = 1.0 / 4294967296.0;
-    double a = demo_hash(x0, y0, seed) * unit, b = demo_hash(x1, y0, seed) * unit;
-    double c = demo_hash(x0, y1, seed) * unit, d = demo_hash(x1, y1, seed) * unit;
+    double a = lattice(x0, low), b = lattice(x1, low), c = lattice(x0, high), d = lattice(x1, high);
     return (a + (b - a) * s) * (1.0 - t) + (c + (d - c) * s) * t;
 }
 

@@ -39,6 +39,7 @@ double demo_fractal(double x, double y, uint32_t period, int octaves, uint32_t s
 
 typedef enum demo_material {
     DEMO_FLOOR,
+    DEMO_SUNLIT, /* the floor where the sun comes through a window */
     DEMO_ASHLAR,
     DEMO_PLASTER,
     DEMO_MARBLE,
@@ -128,15 +129,16 @@ void demo_climbers(demo_mesh *mesh); /* ivy */
 
 /* Where things stand, shared by the parts and by what darkens the floor under them. */
 enum { DEMO_BAYS = 5, DEMO_TREES = 5 };
-#define DEMO_NEAR (-2.2)         /* z where the hall begins, behind the wall's plane at -1.8 */
-#define DEMO_FAR (-17.2)         /* z of the end wall */
-#define DEMO_BAY 2.5             /* m from column to column */
-#define DEMO_FIRST_COLUMN (-4.2) /* z */
-#define DEMO_ARCADE 2.5          /* x of the arcades' middle */
-#define DEMO_THICKNESS 0.22      /* half of the arcades' thickness */
-#define DEMO_SPRING 2.45         /* y where the arches begin */
-#define DEMO_CORNICE 3.85        /* y of the cornice's lower edge */
-#define DEMO_VAULT_SPRING 4.1    /* y where the vault begins */
+#define DEMO_NEAR (-2.2)          /* z where the hall begins, behind the wall's plane at -1.8 */
+#define DEMO_FAR (-17.2)          /* z of the end wall */
+#define DEMO_BAY 2.5              /* m from column to column */
+#define DEMO_FIRST_COLUMN (-4.2)  /* z */
+#define DEMO_ARCADE 2.5           /* x of the arcades' middle */
+#define DEMO_THICKNESS 0.22       /* half of the arcades' thickness */
+#define DEMO_SPRING 2.45          /* y where the arches begin */
+#define DEMO_CORNICE 3.85         /* y of the cornice's lower edge */
+#define DEMO_VAULT_SPRING 4.1     /* y where the vault begins */
+extern const demo_point demo_sun; /* unit: where the light travels */
 extern const demo_point demo_statue_foot;
 typedef struct demo_tree {
     demo_point foot;

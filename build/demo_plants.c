@@ -143,7 +143,7 @@ static void ball_surface(const void *context, double u, double v, demo_vertex *o
 
 /* A ball without its poles' rows of needle triangles: the caps are closed by a fan of the last ring. */
 static void orange(demo_mesh *mesh, const ball *b) {
-    enum { SIDES = 18, RINGS = 9 };
+    enum { SIDES = 15, RINGS = 7 };
     uint32_t before = 0;
     demo_vertex vertex;
     for (int ring = 0; ring <= RINGS + 1; ring++) {
@@ -286,7 +286,7 @@ static void climb_column(demo_mesh *mesh, double start, double turns, uint32_t s
         c.points[i] = (demo_point){ivy_column.x + radius * gw_cos(turn), 2.42 * t,
                                    ivy_column.z - radius * gw_sin(turn)};
     }
-    clothe(mesh, &c, from_column, 17);
+    clothe(mesh, &c, from_column, 15);
 }
 
 /* Over the spandrel from the capital, towards +z or -z (direction), rising and then hanging in a swag. */
@@ -299,7 +299,7 @@ static void climb_wall(demo_mesh *mesh, double direction, double reach, double h
         c.points[i] = (demo_point){out, DEMO_SPRING + 0.02 + height * (1.0 - (1.0 - t) * (1.0 - t)) + wave,
                                    ivy_column.z + direction * (0.1 + reach * t * t)};
     }
-    clothe(mesh, &c, from_wall, 17);
+    clothe(mesh, &c, from_wall, 15);
 }
 
 void demo_climbers(demo_mesh *mesh) {

@@ -13,6 +13,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* (11, -13, -12) / sqrt(434): from the upper left, over the viewer's shoulder. */
+const demo_point demo_sun = {0.5280168968110512, -0.6240199689585151, -0.5760184328847832};
+
 static const struct {
     const char *name;
     float color[3];
@@ -20,15 +23,16 @@ static const struct {
     float emissive[3];
     int two_sided, texture;
 } looks[DEMO_MATERIALS] = {
-    [DEMO_FLOOR] = {"floor", {1, 1, 1}, 0.0f, 0.35f, {0, 0, 0}, 0, DEMO_TEXTURE_FLOOR},
+    [DEMO_FLOOR] = {"floor", {0.55f, 0.55f, 0.60f}, 0.0f, 0.35f, {0, 0, 0}, 0, DEMO_TEXTURE_FLOOR},
+    [DEMO_SUNLIT] = {"sunlit floor", {1, 1, 1}, 0.0f, 0.35f, {0.03f, 0.02f, 0.005f}, 0, DEMO_TEXTURE_FLOOR},
     [DEMO_ASHLAR] = {"ashlar", {1, 1, 1}, 0.0f, 0.9f, {0, 0, 0}, 0, DEMO_TEXTURE_ASHLAR},
     [DEMO_PLASTER] = {"plaster", {1, 1, 1}, 0.0f, 0.95f, {0, 0, 0}, 0, DEMO_TEXTURE_PLASTER},
     [DEMO_MARBLE] = {"marble", {0.9f, 0.9f, 0.9f}, 0.0f, 0.4f, {0, 0, 0}, 0, DEMO_TEXTURE_MARBLE},
     [DEMO_VAULT] = {"vault", {1, 1, 1}, 0.0f, 0.7f, {0, 0, 0}, 0, DEMO_TEXTURE_VAULT},
     [DEMO_TRIM] = {"gilding", {0.83f, 0.56f, 0.20f}, 0.6f, 0.45f, {0, 0, 0}, 0, -1},
     [DEMO_WOOD] = {"wood", {1, 1, 1}, 0.0f, 0.7f, {0, 0, 0}, 0, DEMO_TEXTURE_WOOD},
-    [DEMO_CARPET] = {"carpet", {1, 1, 1}, 0.0f, 1.0f, {0, 0, 0}, 0, DEMO_TEXTURE_CARPET},
-    [DEMO_LANDSCAPE] = {"landscape", {1, 1, 1}, 0.0f, 1.0f, {0.06f, 0.08f, 0.11f}, 0, DEMO_TEXTURE_LANDSCAPE},
+    [DEMO_CARPET] = {"carpet", {0.8f, 0.8f, 0.8f}, 0.0f, 1.0f, {0, 0, 0}, 0, DEMO_TEXTURE_CARPET},
+    [DEMO_LANDSCAPE] = {"landscape", {1, 1, 1}, 0.0f, 1.0f, {0.12f, 0.13f, 0.14f}, 0, DEMO_TEXTURE_LANDSCAPE},
     [DEMO_STATUE] = {"gold", {0.95f, 0.64f, 0.22f}, 0.55f, 0.32f, {0, 0, 0}, 0, -1},
     [DEMO_PEDESTAL] = {"pedestal", {1, 1, 1}, 0.0f, 0.25f, {0, 0, 0}, 0, DEMO_TEXTURE_PEDESTAL},
     [DEMO_TERRACOTTA] = {"terracotta", {1, 1, 1}, 0.0f, 0.85f, {0, 0, 0}, 0, DEMO_TEXTURE_TERRACOTTA},
@@ -77,10 +81,9 @@ static gw_code make_lights_and_views(gw_scene *scene, gw_error *error) {
         return code;
     scene->lights = memory;
     scene->light_count = 1;
-    demo_point travels = demo_unit((demo_point){0.52, -0.62, -0.58});
     scene->lights[0] = (gw_light){.kind = GW_LIGHT_DIRECTIONAL,
-                                  .vector = {travels.x, travels.y, travels.z},
-                                  .color = {3.3f, 2.9f, 2.35f}};
+                                  .vector = {demo_sun.x, demo_sun.y, demo_sun.z},
+                                  .color = {3.5f, 3.05f, 2.4f}};
     memory = NULL;
     code = gw_allocate(&memory, 2, sizeof *scene->viewpoints, "demo viewpoints", error);
     if (code != GW_OK)
@@ -91,7 +94,7 @@ static gw_code make_lights_and_views(gw_scene *scene, gw_error *error) {
         (gw_viewpoint){"window", {0.0, 1.5, 0.0}, {0.0, 1.5, -10.0}, {0.0, 1.0, 0.0}, 35.0};
     scene->viewpoints[1] =
         (gw_viewpoint){"statue", {-0.3, 1.7, -3.4}, {-1.12, 1.65, -5.3}, {0.0, 1.0, 0.0}, 45.0};
-    const float ambient[3] = {0.95f, 1.05f, 1.25f}, background[3] = {0.62f, 0.75f, 0.93f};
+    const float ambient[3] = {0.72f, 0.82f, 1.05f}, background[3] = {0.62f, 0.75f, 0.93f};
     memcpy(scene->ambient, ambient, sizeof ambient);
     memcpy(scene->background, background, sizeof background);
     scene->placement = (gw_placement){.kind = GW_PLACE_VIEWPOINT, .scale = 1.0};

@@ -7,7 +7,7 @@
 
 const demo_point demo_statue_foot = {-1.12, 0.0, -5.3};
 
-enum { KNOT_COLUMNS = 1280, KNOT_ROWS = 64, SCALES_ALONG = 128, SCALES_AROUND = 8 };
+enum { KNOT_COLUMNS = 1152, KNOT_ROWS = 60, SCALES_ALONG = 128, SCALES_AROUND = 8 };
 #define KNOT_RADIUS 0.085
 
 /* The knot's curve lies on a torus, whose normal gives a frame that closes on itself. */

@@ -146,24 +146,35 @@ static paint paint_carpet(double x, double y) {
     return times(cloth, 0.78 + 0.22 * thread + 0.15 * (demo_fractal(16.0 * x, 16.0 * y, 16, 4, 151) - 0.5));
 }
 
-/* Hills under an evening sky; y = 0.72 is the eye's height. */
-static paint paint_landscape(double x, double y) {
+/* Clouded evening sky, brighter towards the horizon. */
+static paint paint_sky(double x, double y) {
     double cloud = demo_fractal(5.0 * x + 1.0, 14.0 * y, 64, 6, 161);
     paint sky = mix((paint){0.36, 0.56, 0.84}, (paint){0.98, 0.90, 0.76}, demo_smooth(0.05, 0.66, y));
-    sky = mix(sky, (paint){1.0, 0.97, 0.92}, 0.85 * demo_smooth(0.5, 0.72, cloud));
+    return mix(sky, (paint){1.0, 0.97, 0.92}, 0.85 * demo_smooth(0.5, 0.72, cloud));
+}
+
+/* Four ridges of hills, the nearer the greener, with trees and meadows; y = 0.67 is the eye's height. */
+static paint paint_landscape(double x, double y) {
     static const paint tones[4] = {
-        {0.60, 0.68, 0.78}, {0.46, 0.58, 0.60}, {0.36, 0.50, 0.36}, {0.24, 0.38, 0.18}};
-    for (int i = 0; i < 4; i++) {
-        double ridge = 0.60 + 0.055 * i -
-                       (0.11 - 0.02 * i) * demo_fractal((3.0 + i) * x, 0.5, 64, 6, 171 + 10 * (uint32_t)i);
-        double leafy = demo_fractal(90.0 * x, 90.0 * y, 128, 3, 211 + (uint32_t)i);
-        ridge -= 0.004 * i * leafy;
-        if (y > ridge)
-            sky = times(mix(tones[i], i < 3 ? tones[i + 1] : (paint){0.42, 0.50, 0.20},
-                            demo_smooth(ridge, ridge + 0.14, y)),
-                        0.85 + 0.1 * i * (leafy - 0.4));
+        {0.60, 0.69, 0.80}, {0.44, 0.57, 0.62}, {0.33, 0.48, 0.38}, {0.20, 0.34, 0.14}};
+    static const paint meadows[4] = {
+        {0.66, 0.74, 0.80}, {0.54, 0.66, 0.58}, {0.55, 0.63, 0.36}, {0.62, 0.62, 0.26}};
+    static const double heights[4] = {0.12, 0.10, 0.09, 0.08};
+    for (int i = 3; i >= 0; i--) {
+        double highest = 0.60 + 0.075 * i - heights[i];
+        if (y < highest - 0.01)
+            continue;
+        double ridge =
+            highest + heights[i] * (1.0 - demo_fractal((3.0 + i) * x, 0.5, 64, 5, 171 + 10 * (uint32_t)i));
+        double grain = 40.0 + 30.0 * i, leafy = demo_fractal(grain * x, grain * y, 256, 3, 211 + (uint32_t)i);
+        if (y < ridge - 0.006 * i * leafy)
+            continue;
+        double field = demo_fractal(9.0 * x, 26.0 * y, 64, 3, 231 + (uint32_t)i);
+        paint land =
+            mix(tones[i], meadows[i], demo_smooth(0.5, 0.58, field) * demo_smooth(ridge, ridge + 0.03, y));
+        return times(land, 1.0 + 0.16 * i * (leafy - 0.55));
     }
-    return sky;
+    return paint_sky(x, y);
 }
 
 static paint paint_pedestal(double x, double y) {
@@ -209,7 +220,7 @@ static const struct {
     [DEMO_TEXTURE_VAULT] = {"vault", 512, 512, GW_WRAP_REPEAT, paint_vault},
     [DEMO_TEXTURE_WOOD] = {"wood", 512, 512, GW_WRAP_REPEAT, paint_wood},
     [DEMO_TEXTURE_CARPET] = {"carpet", 1024, 1024, GW_WRAP_REPEAT, paint_carpet},
-    [DEMO_TEXTURE_LANDSCAPE] = {"landscape", 1024, 1024, GW_WRAP_CLAMP, paint_landscape},
+    [DEMO_TEXTURE_LANDSCAPE] = {"landscape", 1024, 512, GW_WRAP_CLAMP, paint_landscape},
     [DEMO_TEXTURE_PEDESTAL] = {"pedestal", 512, 512, GW_WRAP_REPEAT, paint_pedestal},
     [DEMO_TEXTURE_TERRACOTTA] = {"terracotta", 512, 512, GW_WRAP_REPEAT, paint_terracotta},
     [DEMO_TEXTURE_LEAF] = {"leaf", 256, 256, GW_WRAP_CLAMP, paint_leaf},

@@ -32,6 +32,9 @@ gw_code gw_gltf_check_extensions(const gw_gltf *gltf, gw_source_model *model, gw
  * Materials are matched by gw_material_source.file_index. */
 gw_code gw_gltf_apply(const gw_gltf *gltf, gw_source_model *model, gw_error *error);
 
+/* Triangles that the file's meshes promise, each mesh once: assimp drops those with bad indices. */
+uint64_t gw_gltf_promised_triangles(const gw_gltf *gltf);
+
 /* The same file with every material named "#index", because assimp keeps names but not places in the list. */
 gw_code gw_gltf_mark_materials(gw_gltf *gltf, gw_bytes *out, gw_error *error);
 

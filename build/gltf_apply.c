@@ -200,9 +200,22 @@ static gw_code note_losses(const gw_gltf *gltf, gw_source_model *model, gw_error
     return code;
 }
 
+/* The standard's default is a white mirror-like metal, which shows nothing; the import child took a rough
+ * grey. */
+static gw_code note_bare_triangles(gw_source_model *model, gw_error *error) {
+    const gw_scene *scene = model->scene;
+    size_t count = 0;
+    for (uint32_t i = 0; i < scene->triangle_count; i++)
+        count += scene->material_of[i] < scene->material_count &&
+                 model->material_sources[scene->material_of[i]].file_index < 0;
+    return note_count(model, count, "triangles without a material: a rough light grey one is used", error);
+}
+
 gw_code gw_gltf_apply(const gw_gltf *gltf, gw_source_model *model, gw_error *error) {
     const json_t *materials = json_object_get(gltf->root, "materials");
     gw_code code = apply_transforms(materials, model, error);
+    if (code == GW_OK)
+        code = note_bare_triangles(model, error);
     for (uint32_t i = 0; i < model->scene->material_count; i++) {
         const int32_t index = model->material_sources[i].file_index;
         const json_t *source = index >= 0 ? json_array_get(materials, (size_t)index) : NULL;
@@ -212,6 +225,33 @@ gw_code gw_gltf_apply(const gw_gltf *gltf, gw_source_model *model, gw_error *err
     if (code == GW_OK)
         code = note_losses(gltf, model, error);
     return code;
+}
+
+/* --- promised triangles --- */
+
+uint64_t gw_gltf_promised_triangles(const gw_gltf *gltf) {
+    enum { TRIANGLES = 4, STRIP = 5, FAN = 6 };
+    const json_t *meshes = json_object_get(gltf->root, "meshes");
+    const json_t *accessors = json_object_get(gltf->root, "accessors");
+    uint64_t sum = 0;
+    for (size_t i = 0; i < json_array_size(meshes); i++) {
+        const json_t *primitives = json_object_get(json_array_get(meshes, i), "primitives");
+        for (size_t k = 0; k < json_array_size(primitives); k++) {
+            const json_t *primitive = json_array_get(primitives, k);
+            const json_t *mode = json_object_get(primitive, "mode");
+            const json_t *indices = json_object_get(primitive, "indices");
+            const json_t *positions = json_object_get(json_object_get(primitive, "attributes"), "POSITION");
+            const size_t accessor = (size_t)json_integer_value(indices ? indices : positions);
+            const json_int_t count =
+                json_integer_value(json_object_get(json_array_get(accessors, accessor), "count"));
+            const json_int_t kind = mode ? json_integer_value(mode) : TRIANGLES;
+            if (kind == TRIANGLES)
+                sum += (uint64_t)count / 3;
+            else if ((kind == STRIP || kind == FAN) && count > 2)
+                sum += (uint64_t)count - 2;
+        }
+    }
+    return sum;
 }
 
 /* --- marking materials --- */

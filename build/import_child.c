@@ -75,6 +75,7 @@ static gw_code mark_gltf(gw_import_files *files, gw_error *error) {
     gw_code code = gw_gltf_open(files->main.data, files->main.size, files->folder, &gltf, error);
     if (code != GW_OK)
         return code;
+    files->promised_triangles = gw_gltf_promised_triangles(&gltf);
     code = gw_gltf_mark_materials(&gltf, &marked, error);
     gw_gltf_close(&gltf);
     if (code != GW_OK)
@@ -124,6 +125,17 @@ static gw_code fail_import(const gw_import_files *files, uint64_t memory, gw_err
     return gw_fail(error, GW_BAD_INPUT, "it cannot be read: %s", *text ? text : "no reason was given");
 }
 
+/* assimp leaves out triangles with indices out of range and only warns: they are counted as what they are. */
+static void count_lost_triangles(const gw_import_files *files, const struct aiScene *read,
+                                 gw_source_model *model) {
+    uint64_t present = 0;
+    for (unsigned i = 0; i < read->mNumMeshes; i++)
+        for (unsigned f = 0; f < read->mMeshes[i]->mNumFaces; f++)
+            present += read->mMeshes[i]->mFaces[f].mNumIndices == 3;
+    if (files->promised_triangles > present)
+        model->scene->dropped.bad_index += files->promised_triangles - present;
+}
+
 /* assimp's identical-vertex step is left out: gw_scene_finish merges vertices exactly. */
 static gw_code import(gw_import_files *files, gw_model_format format, uint64_t memory, gw_source_model *model,
                       gw_error *error) {
@@ -142,6 +154,8 @@ static gw_code import(gw_import_files *files, gw_model_format format, uint64_t m
         code = fail_import(files, memory, error);
     else
         code = gw_import_convert(read, format, model, error);
+    if (code == GW_OK)
+        count_lost_triangles(files, read, model);
     if (code == GW_OK && files->missing)
         code = gw_scene_note(model->scene, error, "the file '%s' that the model names could not be opened%s",
                              files->missing, files->missing_count > 1 ? ", nor could others" : "");

@@ -69,6 +69,7 @@ typedef struct gw_import_files {
     size_t limit;  /* bytes of one file */
     char *missing; /* the first file that could not be opened, NULL for none; owned */
     uint32_t missing_count;
+    uint64_t promised_triangles; /* glTF: what its meshes should hold; 0: not known */
 } gw_import_files;
 
 /* Callbacks through which assimp reads nothing but these files; the result lives as long as *files. */

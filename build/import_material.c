@@ -158,8 +158,11 @@ static gw_code gltf_material(const struct aiScene *read, const struct aiMaterial
     struct aiString name = {0};
     int two_sided = 0;
     const float glossiness = get_float(from, "$mat.glossinessFactor", -1.0f);
-    if (aiGetMaterialString(from, AI_MATKEY_NAME, &name) == aiReturn_SUCCESS && name.data[0] == '#')
-        source->file_index = (int32_t)strtol(name.data + 1, NULL, 10);
+    if (aiGetMaterialString(from, AI_MATKEY_NAME, &name) != aiReturn_SUCCESS || name.data[0] != '#') {
+        snprintf(to->name, sizeof to->name, "default"); /* assimp's own, for primitives that name none */
+        return GW_OK;
+    }
+    source->file_index = (int32_t)strtol(name.data + 1, NULL, 10);
     if (glossiness >= 0.0f || !get_color(from, "$clr.base", &color))
         get_color(from, "$clr.diffuse", &color);
     set_color(to->base_color, &color, 0, 1.0f);

@@ -265,7 +265,7 @@ static gw_code check_gltf(const uint8_t *data, size_t size, gw_error *error) {
 static gw_code check_obj(const uint8_t *data, size_t size, gw_error *error) {
     if (memchr(data, '\0', size))
         return gw_fail(error, GW_BAD_INPUT,
-                       "it is not an OBJ text: it holds zero bytes (UTF-16, or binary data?)");
+                       "it is not an OBJ text: it holds zero bytes (if it is UTF-16, save it as UTF-8)");
     return GW_OK;
 }
 

@@ -54,6 +54,16 @@ static gw_code take_alpha(gw_image *image, const char *folder, const char *name,
     return code;
 }
 
+/* 1 for every material that some triangle uses: files often name pictures that nothing shows, and lack them.
+ */
+static gw_code mark_used_materials(const gw_scene *scene, uint8_t **out, gw_error *error) {
+    gw_code code = gw_allocate((void **)out, (size_t)scene->material_count + 1, 1, "materials in use", error);
+    for (uint32_t i = 0; code == GW_OK && i < scene->triangle_count; i++)
+        if (scene->material_of[i] < scene->material_count)
+            (*out)[scene->material_of[i]] = 1;
+    return code;
+}
+
 static int image_has_alpha(const gw_image *image) {
     const uint64_t pixels = (uint64_t)image->width * image->height;
     for (uint64_t i = 0; i < pixels; i++)
@@ -79,6 +89,20 @@ static void image_mean(const gw_image *image, int linear, double mean[3]) {
     }
 }
 
+/* Takes the texture off materials that nothing uses, so that it is not looked for. */
+static gw_code forget_unused(gw_source_model *model, gw_error *error) {
+    uint8_t *used = NULL;
+    gw_code code = mark_used_materials(model->scene, &used, error);
+    for (uint32_t i = 0; code == GW_OK && i < model->scene->material_count; i++)
+        if (!used[i]) {
+            gw_material_source *source = &model->material_sources[i];
+            source->base_color = source->metallic_roughness = source->emissive = -1;
+        }
+    free(used);
+    return code;
+}
+
+/* The first material that uses the source, or NULL. */
 static const char *user_of(const gw_source_model *model, uint32_t source) {
     for (uint32_t i = 0; i < model->scene->material_count; i++) {
         const gw_material_source *material = &model->material_sources[i];
@@ -86,7 +110,7 @@ static const char *user_of(const gw_source_model *model, uint32_t source) {
             material->emissive == (int32_t)source)
             return model->scene->materials[i].name;
     }
-    return "(none)";
+    return NULL;
 }
 
 static gw_code load_source(const gw_source_model *model, uint32_t index, const char *folder, gw_image *out,
@@ -177,8 +201,12 @@ gw_code gw_import_textures(gw_source_model *model, const char *path, const gw_lo
         return gw_fail(error, GW_MACHINE, "out of memory for a file name");
     gw_code code = gw_allocate((void **)&model->scene->textures, model->source_count,
                                sizeof *model->scene->textures, "textures", error);
+    if (code == GW_OK)
+        code = forget_unused(model, error);
     for (uint32_t i = 0; code == GW_OK && i < model->source_count; i++) {
         gw_image image = {0};
+        if (!user_of(model, i))
+            continue;
         gw_log_progress(log, "reading textures", (double)i / model->source_count);
         code = load_source(model, i, folder, &image, error);
         if (code == GW_OK) {

@@ -8,6 +8,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -101,17 +102,26 @@ static void drop_bad_triangles(finish *self) {
 }
 
 static gw_code fail_if_nothing_left(const gw_scene *scene, gw_error *error) {
+    const struct {
+        uint64_t count;
+        const char *what;
+    } kinds[] = {
+        {scene->dropped.non_finite, "with a position that is not finite"},
+        {scene->dropped.bad_index, "with an index out of range"},
+        {scene->dropped.zero_area, "without area"},
+        {scene->dropped.collapsed, "collapsed by rounding"},
+        {scene->dropped.not_triangle, "points and lines"},
+    };
+    char list[400] = "it has no triangles at all";
+    int length = 0;
     if (scene->triangle_count > 0)
         return GW_OK;
-    const gw_dropped *dropped = &scene->dropped;
-    return gw_fail(
-        error, GW_BAD_INPUT,
-        "nothing is left to draw: no usable triangle (dropped: %llu with a position that is not finite, "
-        "%llu with an index out of range, %llu without area, %llu collapsed by rounding, %llu points and "
-        "lines)",
-        (unsigned long long)dropped->non_finite, (unsigned long long)dropped->bad_index,
-        (unsigned long long)dropped->zero_area, (unsigned long long)dropped->collapsed,
-        (unsigned long long)dropped->not_triangle);
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+        if (kinds[i].count)
+            length +=
+                snprintf(list + length, sizeof list - (size_t)length, "%s%llu %s",
+                         length ? ", " : "dropped: ", (unsigned long long)kinds[i].count, kinds[i].what);
+    return gw_fail(error, GW_BAD_INPUT, "nothing is left to draw (%s)", list);
 }
 
 /* Numbers the vertices that kept triangles use. */

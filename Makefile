@@ -101,11 +101,11 @@ SUPPORT      := $(TREE)/libsupport.a
 TEST_PROGRAMS := $(TEST_SOURCES:%.c=$(TREE)/%)
 
 ALL_OBJECTS := $(OBJECTS) $(TREE)/wall/main.o $(TEST_SUPPORT) $(TEST_SOURCES:%.c=$(TREE)/%.o) \
-	$(TREE)/shaders/assemble.o $(TREE)/docs/write_settings.o
+	$(TREE)/shaders/assemble.o $(TREE)/docs/write_settings.o $(TREE)/tests/tools/make_demo_track.o
 
 # --- targets ---------------------------------------------------------------------------------------------------------
 
-.PHONY: all setup demo tests test hard lint format docs install clean help
+.PHONY: all setup demo tests test hard lint format docs demo-track install clean help
 
 all: $(PROGRAMS) $(ARCHIVE) $(if $(PROGRAMS),$(OUT)/gazewall)
 
@@ -118,6 +118,7 @@ help:
 	@echo "make lint        layout, static analysis, house rules, shaders; changes nothing"
 	@echo "make format      lay the C sources out by .clang-format"
 	@echo "make docs        write docs/settings.md from the table of settings"
+	@echo "make demo-track  write configs/tracks/demo.vrpn anew from its formula"
 	@echo "make install     PREFIX=$(PREFIX) DESTDIR=$(DESTDIR)"
 	@echo "make setup       only install what is missing (GROUPS of .ci/packages: run test lint)"
 	@echo "make clean       remove $(OUT)"
@@ -146,6 +147,9 @@ format:
 
 docs: $(TREE)/write_settings
 	$(quiet)$< > $(TREE)/settings.md && mv $(TREE)/settings.md docs/settings.md
+
+demo-track: $(TREE)/make_demo_track
+	$(quiet)$< configs/tracks/demo.vrpn
 
 install: all
 	install -d '$(DESTDIR)$(PREFIX)/bin' '$(DESTDIR)$(PREFIX)/share/gazewall' '$(DESTDIR)$(PREFIX)/share/doc/gazewall'
@@ -212,6 +216,9 @@ $(TREE)/assemble: $(TREE)/shaders/assemble.o $(ARCHIVE)
 	$(quiet)$(CC) $(LINK_FLAVOUR) $(LDFLAGS) -o $@ $^ $(LIBRARIES)
 
 $(TREE)/write_settings: $(TREE)/docs/write_settings.o $(ARCHIVE)
+	$(quiet)$(CC) $(LINK_FLAVOUR) $(LDFLAGS) -o $@ $^ $(LIBRARIES)
+
+$(TREE)/make_demo_track: $(TREE)/tests/tools/make_demo_track.o $(ARCHIVE)
 	$(quiet)$(CC) $(LINK_FLAVOUR) $(LDFLAGS) -o $@ $^ $(LIBRARIES)
 
 $(SUPPORT): $(TEST_SUPPORT) $(TREE)/support

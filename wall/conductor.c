@@ -45,8 +45,9 @@ static gw_code read_track(gw_conductor *conductor, const struct gw_rank *rank, g
         return code;
     gw_report_track(conductor->report, conductor->track);
     int64_t left = conductor->track->duration - conductor->first_time;
+    /* Without the far end: on a track that comes back to its start, the last frame would repeat the first. */
     if (options->step < 0)
-        conductor->step = conductor->frame_count > 1 && left > 0 ? left / (conductor->frame_count - 1) : 0;
+        conductor->step = left > 0 ? left / conductor->frame_count : 0;
     return GW_OK;
 }
 
@@ -358,8 +359,8 @@ static void sum_up(const gw_conductor *conductor, struct gw_rank *rank) {
     print(rank, "wall     %" PRIu32 " tiles, %" PRIu32 "x%" PRIu32 " px, %.0fx%.0f mm%s", layout->tile_count,
           layout->picture[0], layout->picture[1], layout->size[0], layout->size[1],
           conductor->lost_count ? ", NOT ALL OF THEM TO THE END: see the warnings" : "");
-    print(rank, "frames   %" PRIu32 ": median %.0f ms, slowest %.0f ms (the first compiles the kernels)",
-          conductor->frame_count, ms.median, ms.maximum);
+    print(rank, "frames   %" PRIu32 ": median %.0f ms, slowest %.0f ms", conductor->frame_count, ms.median,
+          ms.maximum);
     print(rank, "rays     %.2f million, %.2f per pixel, %.2f million a second",
           (double)conductor->counters.rays * 1e-6, (double)conductor->counters.rays / pixels,
           (double)conductor->counters.rays * 1e-3 / total);

@@ -31,7 +31,7 @@ typedef struct gw_done {
     int32_t code;      /* gw_code; not 0: text says why, and no pixels follow */
     int64_t render_ns; /* time in gw_renderer_frame */
     gw_counters counters;
-    char text[512];
+    char text[sizeof((gw_error *)0)->text];
 } gw_done;
 
 typedef enum gw_tile_state { GW_TILE_LIVE, GW_TILE_LOST } gw_tile_state;

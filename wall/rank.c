@@ -164,9 +164,11 @@ static gw_code start_mpi(gw_rank *rank, gw_error *error) {
     MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN);
     MPI_Comm_rank(MPI_COMM_WORLD, &rank->number);
     MPI_Comm_size(MPI_COMM_WORLD, &rank->size);
-    return gw_link_connect(rank->options.link, rank->number,
-                           rank->options.draw.quiet ? GW_LOG_ERROR : rank->options.draw.level, &rank->line,
-                           error);
+    /* What every rank does the same way is told by rank 0 alone, unless somebody looks for trouble. */
+    gw_log_level level = rank->options.draw.quiet ? GW_LOG_ERROR : rank->options.draw.level;
+    if (rank->number > 0 && level == GW_LOG_INFO)
+        level = GW_LOG_WARNING;
+    return gw_link_connect(rank->options.link, rank->number, level, &rank->line, error);
 }
 
 static gw_code run(gw_rank *rank, int argc, char **argv, gw_error *error) {

@@ -17,6 +17,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -182,16 +183,21 @@ static const char *tile_name(const launcher *l, const rank_line *r) {
 }
 
 /* The first failure stays: what follows is its consequence. */
-static void conclude(launcher *l, gw_code code, const char *text) {
+static void conclude(launcher *l, gw_code code, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+static void conclude(launcher *l, gw_code code, const char *format, ...) {
     if (l->has_result)
         return;
     l->has_result = 1;
-    l->result.code = code;
-    snprintf(l->result.text, sizeof l->result.text, "%s", text);
+    char text[sizeof l->result.text];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    gw_fail(&l->result, code, "%s", text);
 }
 
 static void take_message(launcher *l, rank_line *r, const gw_link_message *m) {
-    char text[sizeof m->text + 64];
     switch ((gw_link_kind)m->kind) {
     case GW_LINK_HELLO:
         r->number = m->value;
@@ -213,14 +219,14 @@ static void take_message(launcher *l, rank_line *r, const gw_link_message *m) {
         puts(m->text);
         break;
     case GW_LINK_FAILED:
-        snprintf(text, sizeof text, "%s%s%s%s", r->number > 0 ? "tile " : "",
-                 r->number > 0 ? tile_name(l, r) : "", r->number > 0 ? ": " : "", m->text);
         r->left = 1;
         /* Once all are ready, a tile that fails is rank 0's to judge. */
-        if (r->number == 0 || l->ready_count < l->layout.tile_count)
-            conclude(l, (gw_code)m->value, text);
+        if (r->number == 0)
+            conclude(l, (gw_code)m->value, "%s", m->text);
+        else if (l->ready_count < l->layout.tile_count)
+            conclude(l, (gw_code)m->value, "tile %s: %s", tile_name(l, r), m->text);
         else
-            gw_log_write(&l->console.log, GW_LOG_WARNING, "%s", text);
+            gw_log_write(&l->console.log, GW_LOG_WARNING, "tile %s: %s", tile_name(l, r), m->text);
         break;
     case GW_LINK_LEFT:
         r->left = 1;
@@ -242,7 +248,7 @@ static void lost_rank(launcher *l, rank_line *r) {
     snprintf(text, sizeof text, "rank %d (tile %s, process %ld) died %s", r->number, tile_name(l, r),
              (long)r->pid, l->ready_count < l->layout.tile_count ? "before the first frame" : "on the way");
     if (r->number == 0 || l->ready_count < l->layout.tile_count)
-        conclude(l, GW_ENDED_EARLY, text);
+        conclude(l, GW_ENDED_EARLY, "%s", text);
     else
         gw_log_write(&l->console.log, GW_LOG_WARNING, "%s", text);
 }
@@ -316,14 +322,13 @@ static void step(launcher *l, int timeout) {
 
 /* mpirun ended and nobody told why: it could not start the ranks, or MPI ended them. */
 static void blame_mpirun(launcher *l) {
-    l->noise[l->noise_size] = '\0';
+    enum { SHOWN = 1500 };
     while (l->noise_size > 0 && (l->noise[l->noise_size - 1] == '\n' || l->noise[l->noise_size - 1] == ' '))
-        l->noise[--l->noise_size] = '\0';
-    char text[2000];
-    snprintf(text, sizeof text, "mpirun ended before the run did%s%s",
-             l->noise_size ? "; its last words:\n" : " and said nothing",
-             l->noise_size > 1800 ? l->noise + l->noise_size - 1800 : l->noise);
-    conclude(l, l->ready_count < l->layout.tile_count ? GW_MACHINE : GW_ENDED_EARLY, text);
+        l->noise_size--;
+    int shown = l->noise_size > SHOWN ? SHOWN : (int)l->noise_size;
+    conclude(l, l->ready_count < l->layout.tile_count ? GW_MACHINE : GW_ENDED_EARLY,
+             "mpirun ended before the run did%s%.*s", shown ? "; its last words:\n" : " and said nothing",
+             shown, l->noise + l->noise_size - shown);
 }
 
 static void watch(launcher *l) {
@@ -335,11 +340,9 @@ static void watch(launcher *l) {
             blame_mpirun(l);
         }
         if (l->ready_count < l->layout.tile_count && gw_now_ns() > deadline) {
-            char text[160];
-            snprintf(text, sizeof text,
+            conclude(l, GW_ENDED_EARLY,
                      "only %" PRIu32 " of %" PRIu32 " ranks were ready after %.0f s; raise --load-deadline",
                      l->ready_count, l->layout.tile_count, l->options.load_deadline);
-            conclude(l, GW_ENDED_EARLY, text);
         }
     }
 }
@@ -392,7 +395,7 @@ static gw_code run(launcher *l, int argc, char **argv) {
     gw_error error = {0};
     gw_code code = start(l, argc, argv, &error);
     if (code)
-        conclude(l, code, error.text);
+        conclude(l, code, "%s", error.text);
     else
         watch(l);
     end_all(l);

@@ -27,8 +27,8 @@ typedef struct gw_gpu_face {
     uint32_t material;
 } gw_gpu_face;
 
-/* A vertex for shading, 16 bytes: octahedral normal (2 x 16 bits, 0xffffffff: none), texture coordinates as float bits,
- * RGBA8 colour factor. */
+/* A vertex for shading, 16 bytes: octahedral normal (2 x 16 bits, 0xffffffff: none), texture coordinates as
+ * float bits, RGBA8 colour factor. */
 typedef struct gw_gpu_vertex {
     uint32_t normal;
     float u, v;

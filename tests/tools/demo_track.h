@@ -26,12 +26,13 @@ typedef struct demo_fixation {
     double x, y;   /* mm on the wall */
 } demo_fixation;
 
-/* Knot, knot's foot, tree, pot, window, carpet, ivy, knot; then along the cornice, column, step, and back. */
+/* Window, knot's foot, tree, pot, trees further back, carpet, ivy, knot; along the cornice; column, knot,
+ * window. */
 static const demo_fixation demo_fixations[] = {
-    {0.00, 0.00, -260.0, 60.0},   {0.60, 0.04, -370.0, -100.0}, {1.10, 0.06, 450.0, 110.0},
-    {1.80, 0.05, 440.0, -330.0},  {2.35, 0.06, 20.0, 90.0},     {2.95, 0.05, -30.0, -380.0},
+    {0.00, 0.00, 20.0, 90.0},     {0.60, 0.05, -370.0, -100.0}, {1.10, 0.06, 450.0, 110.0},
+    {1.80, 0.05, 440.0, -330.0},  {2.35, 0.05, 200.0, 10.0},    {2.95, 0.05, -30.0, -380.0},
     {3.50, 0.05, -650.0, -120.0}, {4.05, 0.05, -390.0, 170.0},  {4.60, 1.10, 520.0, 250.0},
-    {6.05, 0.06, 640.0, -90.0},   {6.60, 0.06, -60.0, -160.0},  {7.15, 0.05, -260.0, 60.0},
+    {6.05, 0.06, 640.0, -90.0},   {6.60, 0.06, -250.0, 60.0},   {7.40, 0.05, 20.0, 90.0},
 };
 
 /* 0..1 with no velocity and acceleration at either end, as eyes and heads move. */

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { GROUP = 64, LIST_LIMIT = 256, SUM_BYTES = 48, SINGLE = (int)0x80000000u };
+enum { GROUP = 64, LIST_LIMIT = 256, SUM_BYTES = 64, SINGLE = (int)0x80000000u };
 enum {
     LOCATION_JOB_COUNT = 1,
     LOCATION_NODE_FIRST,
@@ -23,7 +23,7 @@ typedef struct payload_stage {
     gw_octree_builder *builder;
     gw_octree *octree;
     gw_gl_buffer references, faces, vertices, materials, chains, texels, thresholds;
-    gw_gl_buffer sums, below; /* [node of the level][3] of the present level and the one below it */
+    gw_gl_buffer sums, below; /* [node of the level][4] of the present level and the one below it */
     GLuint leaf_program, inner_program, encode_program;
     uint32_t window_nodes; /* nodes whose sums fit in one storage block */
 } payload_stage;
@@ -139,7 +139,7 @@ static void leaf_defines(const gw_scene *scene, char *text, size_t size) {
 static gw_code start_stage(payload_stage *stage, gw_error *error) {
     gw_gl *device = stage->builder->device;
     uint64_t nodes = (uint64_t)gw_gl_limits_of(device)->storage_block_bytes / SUM_BYTES;
-    /* A window begins at a multiple of 16 nodes, 768 bytes: every driver's offset alignment divides that. */
+    /* A window begins at a multiple of 16 nodes, 1024 bytes: every driver's offset alignment divides that. */
     stage->window_nodes = (uint32_t)(nodes < (1u << 30) ? nodes : 1u << 30) & ~15u;
     char defines[128];
     leaf_defines(stage->builder->scene, defines, sizeof defines);
@@ -245,7 +245,7 @@ static gw_code sum_inner(payload_stage *stage, uint32_t level, uint32_t first, u
             continue;
         jobs[job_count][0] = i;
         jobs[job_count][1] = node->link - octree->level_begin[level + 1];
-        jobs[job_count][2] = (uint32_t)__builtin_popcount(GW_NODE_VALID(node->bits));
+        jobs[job_count][2] = GW_NODE_VALID(node->bits);
         job_count++;
     }
     if (job_count == 0)

@@ -9,13 +9,14 @@ struct surface_sum {
     vec3 normal;    // normals times area
     vec3 aligned;   // the same with each addend turned to the side of the sum so far: opposed normals do not cancel
     float roughness, metalness; // times area
+    vec3 moment; // place in the cell, 0..1 along each axis, times area
 };
 
 layout(location = 0) uniform uint group_base;
 layout(location = 1) uniform uint job_count;
 layout(location = 2) uniform uint node_first; // first node of the window, relative to its level
 
-layout(std430, binding = 0) buffer Sums { vec4 sums[]; }; // [node in window][3]
+layout(std430, binding = 0) buffer Sums { vec4 sums[]; }; // [node in window][4]
 
 layout(local_size_x = 64) in;
 
@@ -24,7 +25,7 @@ uint job_index() {
 }
 
 surface_sum empty_sum() {
-    return surface_sum(0.0, vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0);
+    return surface_sum(0.0, vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0, vec3(0.0));
 }
 
 void add_surface(inout surface_sum sum, surface_sum addend) {
@@ -35,19 +36,21 @@ void add_surface(inout surface_sum sum, surface_sum addend) {
     precise vec3 aligned = sum.aligned + (side < 0.0 ? -addend.aligned : addend.aligned);
     precise float roughness = sum.roughness + addend.roughness;
     precise float metalness = sum.metalness + addend.metalness;
-    sum = surface_sum(area, color, normal, aligned, roughness, metalness);
+    precise vec3 moment = sum.moment + addend.moment;
+    sum = surface_sum(area, color, normal, aligned, roughness, metalness, moment);
 }
 
-surface_sum unpack_sum(vec4 first, vec4 second, vec4 third) {
-    return surface_sum(first.x, first.yzw, second.xyz, third.xyz, second.w, third.w);
+surface_sum unpack_sum(vec4 first, vec4 second, vec4 third, vec4 fourth) {
+    return surface_sum(first.x, first.yzw, second.xyz, third.xyz, second.w, third.w, fourth.xyz);
 }
 
 surface_sum load_sum(uint node) {
-    return unpack_sum(sums[node * 3u], sums[node * 3u + 1u], sums[node * 3u + 2u]);
+    return unpack_sum(sums[node * 4u], sums[node * 4u + 1u], sums[node * 4u + 2u], sums[node * 4u + 3u]);
 }
 
 void store_sum(uint node, surface_sum sum) {
-    sums[node * 3u] = vec4(sum.area, sum.color);
-    sums[node * 3u + 1u] = vec4(sum.normal, sum.roughness);
-    sums[node * 3u + 2u] = vec4(sum.aligned, sum.metalness);
+    sums[node * 4u] = vec4(sum.area, sum.color);
+    sums[node * 4u + 1u] = vec4(sum.normal, sum.roughness);
+    sums[node * 4u + 2u] = vec4(sum.aligned, sum.metalness);
+    sums[node * 4u + 3u] = vec4(sum.moment, 0.0);
 }

@@ -27,8 +27,9 @@ uint encode_normal(vec3 n) {
     return code.x | (code.y << 12);
 }
 
-uint encode_fraction(float value, float scale, float most) {
-    precise float scaled = floor(value * scale + 0.5);
+// value * scale + zero, rounded, within 0..most.
+uint encode_fraction(float value, float scale, float zero, float most) {
+    precise float scaled = floor(value * scale + (zero + 0.5));
     return uint(clamp(scaled, 0.0, most));
 }
 
@@ -53,8 +54,13 @@ void main() {
     bool none = max(straight, aligned) * inverse_area < 1.0e-3;
     payloads[node * 3u] = encode_channel(color.x) | (encode_channel(color.y) << 10) | (encode_channel(color.z) << 20) |
                           (two_sided ? GW_PAYLOAD_TWO_SIDED : 0u) | (none ? GW_PAYLOAD_NO_NORMAL : 0u);
-    payloads[node * 3u + 1u] = (none ? 0u : encode_normal(direction)) | (encode_fraction(flatness, 255.0, 255.0) << 24);
-    payloads[node * 3u + 2u] = encode_fraction(sum.area, GW_PAYLOAD_AREA_SCALE, 65535.0) |
-                               (encode_fraction(sum.roughness * inverse_area, 255.0, 255.0) << 16) |
-                               (encode_fraction(sum.metalness * inverse_area, 255.0, 255.0) << 24);
+    payloads[node * 3u + 1u] = (none ? 0u : encode_normal(direction)) | (encode_fraction(flatness, 255.0, 0.0, 255.0) << 24);
+    precise vec3 place = sum.moment * inverse_area - 0.5;
+    precise vec3 unit = direction * gw_reciprocal(max(two_sided ? aligned : straight, 0.0));
+    precise float offset = place.x * unit.x + place.y * unit.y + place.z * unit.z;
+    float root = gw_square_root(sum.area);
+    payloads[node * 3u + 2u] = encode_fraction(root, 4095.0 / 4.0, 0.0, 4095.0) |
+                               (encode_fraction(offset, GW_PAYLOAD_OFFSET_STEPS, 128.0, 255.0) << 12) |
+                               (encode_fraction(sum.roughness * inverse_area, 63.0, 0.0, 63.0) << 20) |
+                               (encode_fraction(sum.metalness * inverse_area, 63.0, 0.0, 63.0) << 26);
 }

@@ -3,7 +3,7 @@
 
 layout(binding = 0) uniform samplerBuffer child_sums; // of the level below
 
-// Node in level, first child in its level, number of children.
+// Node in level, first child in its level, mask of children.
 layout(std430, binding = 1) readonly buffer Jobs { uvec4 jobs[]; };
 
 void main() {
@@ -12,12 +12,19 @@ void main() {
         return;
     uvec4 job = jobs[index];
     surface_sum sum = empty_sum();
-    for (uint i = 0u; i < job.z; ++i) {
-        int texel = int(job.y + i) * 3;
-        add_surface(sum, unpack_sum(texelFetch(child_sums, texel), texelFetch(child_sums, texel + 1),
-                                    texelFetch(child_sums, texel + 2)));
+    int child = int(job.y);
+    for (uint k = 0u; k < 8u; ++k) {
+        if (((job.z >> k) & 1u) == 0u)
+            continue;
+        int texel = child * 4;
+        surface_sum part = unpack_sum(texelFetch(child_sums, texel), texelFetch(child_sums, texel + 1),
+                                      texelFetch(child_sums, texel + 2), texelFetch(child_sums, texel + 3));
+        precise vec3 place = 0.5 * (part.moment + vec3(k & 1u, (k >> 1) & 1u, k >> 2) * part.area);
+        part.moment = place;
+        add_surface(sum, part);
+        ++child;
     }
     sum = surface_sum(sum.area * 0.25, sum.color * 0.25, sum.normal * 0.25, sum.aligned * 0.25, sum.roughness * 0.25,
-                      sum.metalness * 0.25);
+                      sum.metalness * 0.25, sum.moment * 0.25);
     store_sum(job.x - node_first, sum);
 }

@@ -230,7 +230,8 @@ surface_sum triangle_surface(uint triangle, vec3 low, float scale) {
     precise vec3 area_normal = normal * area;
     precise float area_roughness = finish.x * area;
     precise float area_metalness = finish.y * area;
-    return surface_sum(area, area_color, area_normal, area_normal, area_roughness, area_metalness);
+    precise vec3 area_place = middle * area;
+    return surface_sum(area, area_color, area_normal, area_normal, area_roughness, area_metalness, area_place);
 }
 
 void main() {

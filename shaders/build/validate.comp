@@ -67,6 +67,16 @@ void check_leaf(uint leaf, uvec2 words, vec3 parent_centre, float quarter, uint 
     }
 }
 
+float stored_area(uint code) {
+    float root = float(code) * (4.0 / 4095.0);
+    return root * root;
+}
+
+// How far a stored area may be off: half a step of the code, and a little for the rounding of the sums.
+float area_step(uint code) {
+    return 0.51 * (stored_area(code + 1u) - stored_area(code)) + 1e-6;
+}
+
 void check_inner(uint node, uvec2 words) {
     uint valid = GW_NODE_VALID(words.y);
     uint leaves = GW_NODE_LEAVES(words.y);
@@ -85,6 +95,7 @@ void check_inner(uint node, uvec2 words) {
     precise vec3 centre = vec3(place) * (4.0 * quarter) - 1.0 + 2.0 * quarter;
     uint child = words.x;
     float area = 0.0;
+    float slack = 0.0;
     bool saturated = false;
     for (uint k = 0u; k < 8u; ++k) {
         if (((valid >> k) & 1u) == 0u)
@@ -99,14 +110,15 @@ void check_inner(uint node, uvec2 words) {
         atomicAdd(parent_counts[child], 1u);
         if (is_leaf)
             check_leaf(child, below, centre, quarter, k);
-        uint child_area = texelFetch(payload_texels, int(child)).z & 0xffffu;
-        saturated = saturated || child_area == 65535u;
-        area += float(child_area);
+        uint code = GW_PAYLOAD_AREA_CODE(texelFetch(payload_texels, int(child)).z);
+        saturated = saturated || code == 4095u;
+        area += stored_area(code);
+        slack += area_step(code);
         child++;
     }
-    float own = float(texelFetch(payload_texels, int(node)).z & 0xffffu);
-    // Each stored area is off by at most half a step.
-    if (!saturated && abs(4.0 * own - area) > 0.5 * float(children) + 2.5)
+    uint own = GW_PAYLOAD_AREA_CODE(texelFetch(payload_texels, int(node)).z);
+    bool full = own == 4095u && area > 4.0 * stored_area(own); // more than can be stored
+    if (!saturated && !full && abs(4.0 * stored_area(own) - area) > slack + 4.0 * area_step(own))
         fail(node, CHECK_AREA);
 }
 

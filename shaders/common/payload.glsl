@@ -1,8 +1,10 @@
 // Reading a voxel's payload (common/shared.h).
 #include "common/octahedral.glsl"
+#include "common/small_math.glsl"
 
 vec3 payload_normal(uvec3 payload) {
-    return octahedral_decode(vec2(payload.y & 0xfffu, (payload.y >> 12) & 0xfffu) * (2.0 / 4095.0) - 1.0);
+    vec2 code = vec2(payload.y & 0xfffu, (payload.y >> 12) & 0xfffu);
+    return octahedral_decode((code - 2047.0) * (1.0 / 2047.0));
 }
 
 // 1: all normals of the cell agree; 0: they cancel.
@@ -13,16 +15,61 @@ float payload_agreement(uvec3 payload) {
 
 // Surface in the cell over the cell's face area.
 float payload_area(uvec3 payload) {
-    return float(payload.z & 0xffffu) * (1.0 / float(GW_PAYLOAD_AREA_SCALE));
+    precise float root = float(GW_PAYLOAD_AREA_CODE(payload.z)) * (1.0 / 4095.0);
+    precise float area = float(GW_PAYLOAD_AREA_MOST) * root * root;
+    return area;
 }
 
-// How much of the cell's outline, seen along the ray, its surface covers: area turned towards the ray over the cell's
-// projected area. Where the normals disagree the mean |n.d| of all directions, 1/2, stands in for them.
-float payload_coverage(uvec3 payload, vec3 direction) {
-    vec3 d = normalize(direction);
+// Where a flat cell's surface lies: distance of its plane from the cell's centre along the normal, in sides.
+float payload_offset(uvec3 payload) {
+    return (float(GW_PAYLOAD_OFFSET_CODE(payload.z)) - 128.0) * (1.0 / float(GW_PAYLOAD_OFFSET_STEPS));
+}
+
+// Half the thickness, in sides, of the slab by which a flat cell stands for its plane: what the surfaces of neighbouring
+// cells may be apart without a gap.
+#define SLAB_HALF 0.06
+// Agreement of the normals below which a cell is a cloud, and above which it is a slab.
+#define CLOUD_AGREEMENT 0.80
+#define SLAB_AGREEMENT 0.95
+
+// Area of the plane n.x = s inside the unit cube about the origin (unit n): the second difference of squared distances from
+// its corners. Components of n are kept from 0, where the quotient would lose its digits.
+float cube_section(vec3 n, float s) {
+    vec3 a = max(abs(n), vec3(0.03));
+    float below = -abs(s);
+    vec4 corner = vec4(a.x + a.y, a.x - a.y, -a.x + a.y, -a.x - a.y) * 0.5;
+    vec4 upper = max(corner + (below + 0.5 * a.z), vec4(0.0));
+    vec4 lower = max(corner + (below - 0.5 * a.z), vec4(0.0));
+    precise vec4 squares = upper * upper - lower * lower;
+    precise float sum = (squares.x - squares.y) - (squares.z - squares.w);
+    precise float section = sum / (2.0 * a.x * a.y * a.z);
+    return section;
+}
+
+// Opacity of a cell to a ray that enters it at `enter` and leaves it at `leave`, both from the cell's centre in sides of the
+// cell, in the frame in which `normal` is given.
+//
+// Where the normals disagree the cell is a cloud: its area turned towards the ray, times the length of the ray in it, so that
+// the sum over the cells of a layer does not depend on where the ray enters them. Where they agree it is its plane, as a thin
+// slab: only rays that cross the plane are stopped, by the share of the plane's section that the surface fills. Beside a leaf
+// of triangles a cloud would let grazing rays through that have crossed the surface in it, a slab does not.
+float payload_opacity(uvec3 payload, vec3 normal, vec3 enter, vec3 leave) {
     float agreement = payload_agreement(payload);
-    precise float facing = mix(0.5, abs(dot(payload_normal(payload), d)), agreement);
-    precise float outline = abs(d.x) + abs(d.y) + abs(d.z);
-    precise float coverage = min(payload_area(payload) * facing / outline, 1.0);
-    return coverage;
+    float area = payload_area(payload);
+    vec3 chord = leave - enter;
+    precise float enter_height = dot(normal, enter);
+    precise float leave_height = dot(normal, leave);
+    precise float travel = length_precise(chord);
+    precise float cloud = area * mix(0.5 * travel, abs(leave_height - enter_height), agreement);
+
+    float reach = 0.5 * (abs(normal.x) + abs(normal.y) + abs(normal.z));
+    float offset = payload_offset(payload);
+    float centre = clamp(offset, SLAB_HALF - reach, reach - SLAB_HALF);
+    precise float low = max(min(enter_height, leave_height), centre - SLAB_HALF);
+    precise float high = min(max(enter_height, leave_height), centre + SLAB_HALF);
+    precise float crossed = max(high - low, 0.0) * (0.5 / SLAB_HALF);
+    precise float filled = min(area / max(cube_section(normal, centre), 1e-3), 1.0);
+    float slab_share = clamp((agreement - CLOUD_AGREEMENT) * (1.0 / (SLAB_AGREEMENT - CLOUD_AGREEMENT)), 0.0, 1.0);
+    precise float opacity = mix(cloud, crossed * filled, slab_share);
+    return min(opacity, 1.0);
 }

@@ -33,11 +33,18 @@
 // Payload of a node, 12 bytes (uvec3): what the cell looks like as one voxel.
 //   x  bits 0-9, 10-19, 20-29: red, green, blue, sRGB-encoded to 10 bits; bit 30: two-sided (opposed normals met);
 //      bit 31: normal is meaningless (use the ray's).
-//   y  bits 0-11, 12-23: octahedral unit normal; bits 24-31: length of the mean normal in 1/255 (1: flat, 0: all ways).
-//   z  bits 0-15: area of the surface in the cell over the cell's face area, in 1/4096, at most 65535; bits 16-23:
-//      perceptual roughness in 1/255; bits 24-31: metalness in 1/255.
+//   y  bits 0-11, 12-23: octahedral unit normal, 2047 for 0; bits 24-31: length of the mean normal in 1/255 (1: flat, 0: all
+//      ways).
+//   z  bits 0-11: area of the surface in the cell over the cell's face area, at most 16: area = 16 (code / 4095)^2, so that
+//      small things keep their digits; bits 12-19: where the surface lies along its normal, from the cell's centre, in
+//      1/144 of the cell's side, 128 for the centre; bits 20-25: perceptual roughness in 1/63; bits 26-31: metalness in 1/63.
 #define GW_PAYLOAD_TWO_SIDED 0x40000000u
 #define GW_PAYLOAD_NO_NORMAL 0x80000000u
-#define GW_PAYLOAD_AREA_SCALE 4096.0
+#define GW_PAYLOAD_AREA_CODE(z) ((z) & 0xfffu)
+#define GW_PAYLOAD_OFFSET_CODE(z) (((z) >> 12) & 0xffu)
+#define GW_PAYLOAD_ROUGHNESS_CODE(z) (((z) >> 20) & 0x3fu)
+#define GW_PAYLOAD_METALNESS_CODE(z) ((z) >> 26)
+#define GW_PAYLOAD_AREA_MOST 16.0
+#define GW_PAYLOAD_OFFSET_STEPS 144.0
 
 #endif

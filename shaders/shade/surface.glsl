@@ -111,9 +111,9 @@ Surface surface_of_voxel(uint node, float t, vec3 origin, vec3 direction) {
     surface.base_color = srgb_decode(vec3(payload.x & 0x3ffu, (payload.x >> 10) & 0x3ffu, (payload.x >> 20) & 0x3ffu) *
                                      (1.0 / 1023.0));
     surface.agreement = payload_agreement(payload);
-    surface.metalness = float(payload.z >> 24) * (1.0 / 255.0);
+    surface.metalness = float(GW_PAYLOAD_METALNESS_CODE(payload.z)) * (1.0 / 63.0);
     // Normals that disagree widen the highlight as roughness does (after Toksvig 2005).
-    float roughness = float((payload.z >> 16) & 0xffu) * (1.0 / 255.0);
+    float roughness = float(GW_PAYLOAD_ROUGHNESS_CODE(payload.z)) * (1.0 / 63.0);
     surface.roughness = sqrt(min(roughness * roughness + 0.5 * (1.0 - surface.agreement), 1.0));
     surface.emissive = vec3(0.0);
     surface.alpha = 1.0;

@@ -33,9 +33,18 @@ void emit(uint id, float t, float weight) {
     ++fragment_count;
 }
 
-void emit_voxel(uint index, float share, float leave) {
+// Where the ray is at t, from the centre of its cell of scale s, in sides of the cell, mirrored.
+vec3 place_in_cell(float t, int s) {
+    float side = float(1 << s);
+    precise vec3 place = (grid_origin + grid_direction * t - vec3((cell >> s) << s)) * (1.0 / side) - 0.5;
+    return place;
+}
+
+void emit_voxel(uint index, float share, int s, float leave) {
     uvec3 payload = PAYLOAD(index);
-    precise float opacity = share * payload_coverage(payload, ray_direction);
+    vec3 normal = payload_normal(payload);
+    normal = mix(normal, -normal, bvec3((mirror & 1u) != 0u, (mirror & 2u) != 0u, (mirror & 4u) != 0u));
+    precise float opacity = share * payload_opacity(payload, normal, place_in_cell(cell_entry, s), place_in_cell(leave, s));
     begin_group_if_apart(cell_entry);
     float weight = composite(opacity);
     group_end = max(group_end, leave);
@@ -109,7 +118,7 @@ void traverse() {
             float share = child_of_voxel ? child_share : 1.0 - max(triangles, children);
             float leave = exit_of(child_scale);
             if (share > 0.0 && !leaf_again)
-                emit_voxel(index, share, leave);
+                emit_voxel(index, share, child_scale, leave);
             leaf_again = false;
             leave_cell = true;
             if (children > 0.0) {

@@ -266,8 +266,9 @@ static gw_code write_pictures(gw_conductor *conductor, const struct gw_rank *ran
         gw_code code = gw_picture_assemble(&rank->layout, pixels, framed, &image, error);
         const char *stem = framed ? "wall-bezels" : "wall";
         char name[64], comment[128];
-        snprintf(comment, sizeof comment, "Gazewall " GW_VERSION ", frame %" PRIu32 " of %" PRIu32 " tiles%s",
-                 release->state.frame, rank->layout.tile_count, conductor->lost_count ? ", incomplete" : "");
+        /* Not a word about the split: every split of a wall gives the same file. */
+        snprintf(comment, sizeof comment, "Gazewall " GW_VERSION ", frame %" PRIu32 "%s",
+                 release->state.frame, conductor->lost_count ? ", incomplete" : "");
         snprintf(name, sizeof name, "%s-%04" PRIu32 "%s.png", stem, release->state.frame, mark);
         if (!code)
             code = write_picture(folder, name, &image, comment, error);

@@ -1,0 +1,140 @@
+#!/bin/bash
+# The command line: what helps, and that every mistake ends in one clear sentence and its exit code.
+# shellcheck source=tests/support/tap.sh
+. "$(dirname "$0")/../support/tap.sh"
+root=$(cd "$(dirname "$0")/../.." && pwd)
+make_scene "$folder/sheet.obj"
+scene=(--scene "$folder/sheet.obj" --set octree_depth=5 --quiet)
+
+# --- what helps
+expect "alone it teaches" 0 "Try these:"
+expect "help" 0 "Exit codes:" --help
+expect "version" 0 "gazewall 0." --version
+for verb in sim render inspect bench settings; do
+    expect "help of $verb" 0 "Usage: gazewall $verb" $verb --help
+done
+expect "help tells units and defaults" 0 "default 960x540" sim --help
+expect "help may stand anywhere" 0 "Usage: gazewall render" render --size 10x10 --help
+expect "the table of settings" 0 "tau=1  (0 to 64 footprints)" settings
+is "every setting is in it" "$("$program" settings | grep -c '; reference: ')" \
+    "$(grep -c '^ *GW_ROW([a-z]' "$root/base/settings.h")"
+
+# --- verbs and options
+expect "a mistyped verb" 2 "unknown verb 'redner'; did you mean 'render'?" redner
+expect "no such verb" 2 "unknown verb 'qqqqqqqq'; gazewall --help lists them" qqqqqqqq
+expect "a mistyped option" 2 "unknown option '--frams'; did you mean '--frames'?" sim --frams 3
+expect "a mistyped option with its value" 2 "did you mean '--size'?" render --sise=10x10
+expect "no such option" 2 "unknown option '--zzzzzzzzzz'; --help lists the options" render --zzzzzzzzzz
+expect "a short option" 2 "unknown option '-x'" render -x
+expect "an option without its value" 2 "option '--size' needs a value: --size WxH" render --size
+expect "a value that does not belong" 2 "option '--no-gaze' takes no value" render --no-gaze=1
+expect "a word that belongs nowhere" 2 "'model.obj' belongs to no option; a scene is given as --scene model.obj" render model.obj
+expect "a rank by hand" 2 "start that" rank
+
+# --- values
+expect "a size in words" 2 "--size 'big' is not two whole numbers" render --size big
+expect "half a size" 2 "--size '960x' is not two whole numbers" render --size 960x
+expect "an empty size" 2 "--size '0x100' is out of range" render --size 0x100
+expect "a huge size" 2 "both numbers must be 1 to 32768" render --size 99999x2
+expect "no tiles" 2 "--tiles '0x2' is out of range" sim --tiles 0x2
+expect "too many tiles" 2 "a wall has 1 to 64 tiles" sim --tiles 20x20
+expect "more tiles than pixels" 2 "cannot be split into 8 columns" sim --tiles 8x1 --size 4x4
+expect "columns against tiles" 2 "leave one of them out" sim --tiles 2x1 --columns 10,20,30
+expect "columns against the size" 2 "--columns add up to 60 px, --size says 100" sim --size 100x50 --columns 10,20,30
+expect "a column of no width" 2 "'0' is not a whole number from 1" sim --columns 10,0,30
+expect "frames in words" 2 "--frames 'many' is not a whole number" sim --frames many
+expect "no frames" 2 "--frames 0 is out of range; it must be 1 to 1000000" sim --frames 0
+expect "a seed beyond its range" 2 "--seed 4294967296 is out of range" render --seed 4294967296
+expect "a time that is no number" 2 "--time 'nan' is not a number" render --time nan
+expect "a debug view that is none" 2 "did you mean 'levels'?" render --debug level
+expect "a log level that is none" 2 "--log 'loud' is no level" render --log loud
+expect "an unknown setting" 2 "tau_inside" render --set tau_insid=1
+expect "a setting out of range" 2 "64" render --set tau=65
+expect "a setting without value" 2 "--set" render --set tau
+expect "tau out of range" 2 "--tau" render --tau -1
+expect "a choice that is none" 2 "hybrid" render --set geometry=cubes
+expect "half a point" 2 "--gaze '10' is not 2 numbers" render --gaze 10
+expect "a point with too much" 2 "--eye '1,2,3,4' is not 3 numbers" render --eye 1,2,3,4 --look-at 0,0,0
+expect "half a camera" 2 "--eye and --look-at belong together" render --eye 1,2,3
+expect "a field of view alone" 2 "--fov needs a camera" render --fov 40
+expect "a field of view out of range" 2 "--fov 200 is out of range" render --eye 1,2,3 --look-at 0,0,0 --fov 200
+expect "a camera without direction" 2 "the same point 1,2,3" render "${scene[@]}" --eye 1,2,3 --look-at 1,2,3
+expect "a gaze beside the picture" 2 "pixel 500,20 is on no tile" render "${scene[@]}" --size 64x48 --gaze 500,20
+expect "a viewpoint that is not there" 2 "has no viewpoint 'door'" render "${scene[@]}" --viewpoint door
+expect "a track and a gaze" 2 "--track goes with neither" sim --track a.vrpn --gaze 1,2
+expect "a bench that is none" 2 "did you mean 'build'?" bench biuld
+expect "a bench of nothing" 2 "say what to measure" bench
+expect "a scene and the device" 2 "leave out the scene" inspect --device model.obj
+expect "two scenes" 2 "'b.obj' is one scene too many" inspect a.obj b.obj
+
+# --- files
+expect "no such scene" 2 "nowhere.obj" render --scene "$folder/nowhere.obj"
+expect "no such scene on the wall" 2 "nowhere.obj" sim --scene "$folder/nowhere.obj" --tiles 2x1 --size 64x48
+expect "no such track on the wall" 2 "nowhere.vrpn" sim "${scene[@]}" --track "$folder/nowhere.vrpn" --tiles 2x1 --size 64x48
+expect "no such states" 2 "nowhere.json" render "${scene[@]}" --states "$folder/nowhere.json"
+echo '{"gazewall": 1}' >"$folder/other.json"
+expect "states that are none" 2 "other.json:1: no recording of frame states" render "${scene[@]}" --states "$folder/other.json"
+printf '{"gazewall_states": 1}\n{"frame": 0, "time": 0, "seed": 0, "eye": [0, 0]}\n' >"$folder/short.json"
+expect "a state with half an eye" 2 "short.json:2: 'eye' is missing or not three numbers" render "${scene[@]}" --states "$folder/short.json"
+expect "a picture that cannot be written" 5 "$folder/nowhere/a.png" render "${scene[@]}" --size 32x32 --out "$folder/nowhere/a.png"
+expect "a report that cannot be written" 5 "$folder/nowhere/r.json" render "${scene[@]}" --size 32x32 --report "$folder/nowhere/r.json"
+: >"$folder/file"
+expect "pictures below a file" 5 "$folder/file" sim "${scene[@]}" --tiles 1x1 --size 32x32 --out "$folder/file/pictures"
+expect "no such shaders" 2 "nowhere" render "${scene[@]}" --size 32x32 --shaders "$folder/nowhere"
+if [ -e /dev/full ]; then
+    timeout 60 "$program" settings >/dev/full 2>"$folder/full"
+    is "standard output that is full" $? 5
+    has "it says so" "$(cat "$folder/full")" "standard output could not be written"
+fi
+
+# --- sites
+site() { # NAME PART-OF-MESSAGE, the file on standard input
+    local file=$folder/site-$number.yaml
+    cat >"$file"
+    expect "$1" 2 "$2" sim "${scene[@]}" --site "$file"
+}
+expect "no such site" 2 "nowhere.yaml" sim --site "$folder/nowhere.yaml"
+expect "a site and a split" 2 "--site describes the whole wall" sim --site "$root/configs/sites/2x2.yaml" --tiles 2x2
+site "a site of another version" "'version'" <<<'version: 2'
+site "a site without tiles" "this one has neither" <<<'version: 1'
+site "a mistyped key" "columns" <<'Y'
+version: 1
+grid: {colums: 2, rows: 1, tile: {width: 100, height: 100, pixels: [10, 10]}}
+Y
+site "a grid without its tile" "key 'tile' is missing here" <<'Y'
+version: 1
+grid: {columns: 2, rows: 1}
+Y
+site "a tile without pixels" ":2: key 'pixels' is missing here" <<'Y'
+version: 1
+grid: {columns: 2, rows: 1, tile: {width: 100, height: 100}}
+Y
+site "too many tiles in a grid" "a wall has 1 to 64 tiles" <<'Y'
+version: 1
+grid: {columns: 9, rows: 9, tile: {width: 100, height: 100, pixels: [10, 10]}}
+Y
+site "two corners" "must be three points in mm" <<'Y'
+version: 1
+tiles: [{name: a, pixels: [10, 10], place: [0, 0], corners: [[0, 0, 0], [100, 0, 0]]}]
+Y
+site "corners in a line" "meet at" <<'Y'
+version: 1
+tiles: [{name: a, pixels: [10, 10], place: [0, 0], corners: [[0, 0, 0], [100, 0, 0], [200, 0, 0]]}]
+Y
+site "two tiles of one name" "names an earlier tile already" <<'Y'
+version: 1
+tiles:
+  - {name: a, pixels: [10, 10], place: [0, 0], corners: [[0, 0, 0], [100, 0, 0], [0, -100, 0]]}
+  - {name: a, pixels: [10, 10], place: [10, 0], corners: [[100, 0, 0], [200, 0, 0], [100, -100, 0]]}
+Y
+site "two tiles in one place" ":4: tile 'b' overlaps tile 'a'" <<'Y'
+version: 1
+tiles:
+  - {name: a, pixels: [10, 10], place: [0, 0], corners: [[0, 0, 0], [100, 0, 0], [0, -100, 0]]}
+  - {name: b, pixels: [10, 10], place: [5, 0], corners: [[100, 0, 0], [200, 0, 0], [100, -100, 0]]}
+Y
+site "a name that is a path" "cannot name a tile" <<'Y'
+version: 1
+tiles: [{name: ../a, pixels: [10, 10], place: [0, 0], corners: [[0, 0, 0], [100, 0, 0], [0, -100, 0]]}]
+Y
+finish

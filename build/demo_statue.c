@@ -61,8 +61,9 @@ static void knot_surface(const void *context, double u, double v, demo_vertex *o
                      demo_statue_foot.z + p.z * turn_cos - p.x * turn_sin};
     out->u = SCALES_ALONG * u;
     out->v = SCALES_AROUND * v;
-    /* Gaps between scales see less; so does the inside of the knot. */
-    out->shade = (0.35 + 0.65 * demo_smooth(0.0, 0.45, relief + crest)) * (0.8 + 0.2 * c);
+    /* Gaps between scales see less; so do the inside of the knot and what faces the floor. */
+    double up = rise.y * c + side.y * s;
+    out->shade = (0.22 + 0.78 * demo_smooth(0.0, 0.5, relief + crest)) * (0.86 + 0.14 * c) * (0.8 + 0.2 * up);
 }
 
 static const demo_profile ball_foot[] = {{0.26, 1.02}, {0.27, 1.035}, {0.26, 1.05}, {0.2, 1.06},

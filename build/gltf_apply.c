@@ -179,8 +179,33 @@ static gw_code note_count(gw_source_model *model, size_t count, const char *what
     return count ? gw_scene_note(model->scene, error, "glTF: %zu %s", count, what) : GW_OK;
 }
 
+static json_t *punctual(const json_t *object) {
+    return json_object_get(json_object_get(object, "extensions"), "KHR_lights_punctual");
+}
+
+/* assimp keeps one place for each light, however many nodes carry it: counts the places beyond the first. */
+static gw_code count_shared_lights(const gw_gltf *gltf, size_t *out, gw_error *error) {
+    const json_t *nodes = json_object_get(gltf->root, "nodes");
+    const size_t lights = json_array_size(json_object_get(punctual(gltf->root), "lights"));
+    uint8_t *seen = NULL;
+    *out = 0;
+    gw_code code = gw_allocate((void **)&seen, lights, 1, "lights", error);
+    for (size_t i = 0; code == GW_OK && i < json_array_size(nodes); i++) {
+        const json_t *light = json_object_get(punctual(json_array_get(nodes, i)), "light");
+        const json_int_t index = json_is_integer(light) ? json_integer_value(light) : -1;
+        if (index < 0 || index >= (json_int_t)lights)
+            continue;
+        *out += seen[index];
+        seen[index] = 1;
+    }
+    free(seen);
+    return code;
+}
+
 static gw_code note_losses(const gw_gltf *gltf, gw_source_model *model, gw_error *error) {
     const json_t *materials = json_object_get(gltf->root, "materials");
+    size_t shared_lights;
+    gw_code code = count_shared_lights(gltf, &shared_lights, error);
     const struct {
         size_t count;
         const char *what;
@@ -191,10 +216,10 @@ static gw_code note_losses(const gw_gltf *gltf, gw_source_model *model, gw_error
         {count_with(materials, "emissiveTexture", NULL), "materials with an emissive map: its mean is used"},
         {count_with(materials, "metallicRoughnessTexture", "pbrMetallicRoughness"),
          "materials with a metallic-roughness map: its mean is used"},
+        {shared_lights, "more nodes with a light that another node has too: it shines at one of them"},
         {json_array_size(json_object_get(gltf->root, "animations")), "animations: the rest pose is shown"},
         {json_array_size(json_object_get(gltf->root, "skins")), "skins: the rest pose is shown"},
     };
-    gw_code code = GW_OK;
     for (size_t i = 0; code == GW_OK && i < sizeof losses / sizeof *losses; i++)
         code = note_count(model, losses[i].count, losses[i].what, error);
     return code;

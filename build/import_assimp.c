@@ -174,18 +174,21 @@ static void put_light(converter *self, const struct aiLight *light, const matrix
         scene->light_count++;
 }
 
+/* Only glTF brings cameras here. assimp 5.2.5 puts the node's shift into the camera as well (so it is left
+ * out) and stores the vertical angle times the aspect ratio as the horizontal one. */
 static void put_camera(converter *self, const struct aiCamera *camera, const matrix *place) {
-    static const double pi = 3.14159265358979323846;
+    static const double degrees = 180.0 / 3.14159265358979323846;
     gw_scene *scene = self->model->scene;
     gw_viewpoint *view = &scene->viewpoints[scene->viewpoint_count];
     double forward[3];
-    place_point(place, &camera->mPosition, view->eye);
     if (!place_direction(place, &camera->mLookAt, forward) || !place_direction(place, &camera->mUp, view->up))
         return;
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
+        view->eye[i] = place->m[i][3];
         view->look_at[i] = view->eye[i] + forward[i];
+    }
     const double aspect = camera->mAspect > 0 ? (double)camera->mAspect : 1.0;
-    const double fov = 2.0 * atan(tan((double)camera->mHorizontalFOV / 2.0) / aspect) * 180.0 / pi;
+    const double fov = (double)camera->mHorizontalFOV / aspect * degrees;
     view->fov = fov >= 1.0 && fov <= 170.0 ? fov : 45.0;
     snprintf(view->name, sizeof view->name, "%.*s", (int)sizeof view->name - 1, camera->mName.data);
     if (isfinite(view->eye[0]) && isfinite(view->eye[1]) && isfinite(view->eye[2]))

@@ -218,10 +218,12 @@ static gw_code assign_normals(smoother *self, gw_source_model *model, gw_error *
         state.origin[v] = v;
         state.sibling[v] = chain_end;
     }
-    for (uint32_t t = 0; t < scene->triangle_count; t++)
-        for (uint32_t i = 0; triangle_usable(scene, t) && i < 3; i++)
+    for (uint32_t t = 0; t < scene->triangle_count; t++) {
+        const int usable = triangle_usable(scene, t); /* before its corners move to split vertices */
+        for (uint32_t i = 0; usable && i < 3; i++)
             scene->triangles[t][i] =
                 place_corner(&state, scene->triangles[t][i], self->corner_normals + ((size_t)t * 3 + i) * 3);
+    }
     const uint32_t old_count = scene->vertex_count;
     code = extend(&model->world, &state, old_count, 3 * sizeof(double), error);
     if (code == GW_OK)

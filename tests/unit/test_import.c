@@ -1,0 +1,278 @@
+/* gw_import from file to scene, through the real import child ($GAZEWALL), and what becomes of children that
+ * misbehave. */
+#include "tests/support/check.h"
+
+#include "build/import.h"
+#include "tests/fuzz/import_entry.h"
+#include "tests/support/meshes.h"
+
+#include <math.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
+
+static const char *program(void) {
+    const char *name = getenv("GAZEWALL");
+    return name ? name : "out/release/gazewall";
+}
+
+static gw_scene *import(const char *path) {
+    gw_scene *scene = NULL;
+    const gw_import_options options = {.program = program()};
+    check_ok(gw_import(path, &options, &scene, &error));
+    return scene;
+}
+
+static int has_note(const gw_scene *scene, const char *part) {
+    for (size_t i = 0; i < scene->note_count; i++)
+        if (strstr(scene->notes[i], part))
+            return 1;
+    return 0;
+}
+
+static int near(double a, double b) {
+    return fabs(a - b) < 1e-5;
+}
+
+static void position(const gw_scene *scene, uint32_t vertex, double out[3]) {
+    for (uint32_t i = 0; i < 3; i++)
+        out[i] = scalbn((double)scene->positions[vertex * 3 + i], scene->exponent) + scene->centre[i];
+}
+
+/* --- formats --- */
+
+static void all_formats_give_the_same_tetrahedron(void **state) {
+    (void)state;
+    static const char *const paths[] = {"tests/data/tetra_binary.ply", "tests/data/tetra.stl",
+                                        "tests/data/tetra.off"};
+    gw_scene *reference = NULL;
+    for (size_t i = 0; i < sizeof paths / sizeof *paths; i++) {
+        gw_scene *scene = import(paths[i]);
+        assert_int_equal(scene->triangle_count, 4);
+        assert_int_equal(scene->welded_count, 4);
+        assert_int_equal(scene->vertex_count, 12); /* its edges are creases */
+        assert_int_equal(scene->placement.kind, GW_PLACE_FIT_BEHIND_WALL);
+        assert_true(has_note(scene, "no light in the file") && has_note(scene, "metres and y up"));
+        assert_true(scene->light_count == 1 && scene->viewpoint_count == 1);
+        assert_true(scene->viewpoints[0].eye[2] > scene->bounds[1][2]);
+        if (reference)
+            assert_true(gw_hash_equal(reference->hash, scene->hash));
+        else
+            reference = scene;
+        if (scene != reference)
+            gw_scene_destroy(&scene);
+    }
+    gw_scene_destroy(&reference);
+}
+
+static void vertex_colours_become_linear(void **state) {
+    (void)state;
+    gw_scene *scene = import("tests/data/tetra.ply");
+    assert_non_null(scene->colors);
+    assert_true(scene->materials[0].base_color[0] == 1.0f);
+    for (uint32_t v = 0; v < scene->vertex_count; v++) {
+        double p[3];
+        position(scene, v, p);
+        assert_int_equal(scene->colors[v * 4], p[0] > 0.5 ? 255 : 0);
+        assert_int_equal(scene->colors[v * 4 + 1], p[1] > 0.5 ? 255 : 0);
+        assert_int_equal(scene->colors[v * 4 + 2], 55); /* 128 / 255 decoded, times 255 */
+    }
+    gw_scene_destroy(&scene);
+}
+
+static const gw_material *material_named(const gw_scene *scene, const char *name) {
+    for (uint32_t i = 0; i < scene->material_count; i++)
+        if (strcmp(scene->materials[i].name, name) == 0)
+            return &scene->materials[i];
+    fail_msg("no material '%s'", name);
+    return NULL;
+}
+
+static void mtl_keys_are_carried(void **state) {
+    (void)state;
+    gw_scene *scene = import("tests/data/box.obj");
+    assert_int_equal(scene->triangle_count, 12);
+    assert_int_equal(scene->welded_count, 8);
+    assert_int_equal(scene->texture_count,
+                     2); /* the picture of a material that nothing uses is not looked for */
+    const gw_material *wood = material_named(scene, "wood"), *leaf = material_named(scene, "leaf"),
+                      *glass = material_named(scene, "glass");
+    assert_true(near(wood->roughness, pow(2.0 / 32.0, 0.25)) && wood->alpha_mode == GW_ALPHA_OPAQUE);
+    assert_true(leaf->roughness == 1.0f && leaf->alpha_mode == GW_ALPHA_MASK);
+    assert_true(near(leaf->base_color[0], 0.21404114));
+    assert_true(glass->alpha_mode == GW_ALPHA_BLEND && glass->base_color[3] == 0.25f);
+    assert_true(near(glass->emissive[1], 0.21404114));
+    const gw_image *image = &scene->textures[leaf->base_color_texture].image;
+    assert_int_equal(image->width, 8);
+    assert_int_equal(image->rgba[3], 255); /* map_d is white on the left, black on the right */
+    assert_int_equal(image->rgba[7 * 4 + 3], 0);
+    gw_scene_destroy(&scene);
+}
+
+static void check_poster(const gw_scene *scene) {
+    assert_int_equal(scene->triangle_count, 4);
+    for (uint32_t t = 0; t < 4; t++) { /* one of the two quads is mirrored: both must face +z */
+        double p[3][3];
+        for (int k = 0; k < 3; k++)
+            position(scene, scene->triangles[t][k], p[k]);
+        assert_true((p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[1][1] - p[0][1]) * (p[2][0] - p[0][0]) >
+                    0.0);
+    }
+    assert_true(near(scene->bounds[0][0], -1.0) && near(scene->bounds[1][0], 3.0));
+    for (uint32_t v = 0; v < scene->vertex_count; v++) {
+        double p[3];
+        position(scene, v, p);
+        const double x = p[0] > 0.5 ? p[0] - 2.0 : -p[0], u = 2.0 * x, w = 2.0 * (1.0 - p[1]);
+        assert_true(scene->normals[v * 3 + 2] == 1.0f);
+        assert_true(near(scene->texcoords[v * 2], w + 0.5)); /* a quarter turn: u' = v, v' = -u */
+        assert_true(near(scene->texcoords[v * 2 + 1], -u));
+    }
+    const gw_material *poster = material_named(scene, "poster");
+    assert_true(poster->alpha_mode == GW_ALPHA_MASK && poster->alpha_cutoff == 0.25f && poster->two_sided);
+    assert_true(poster->metalness == 0.25f && poster->roughness == 0.75f && poster->base_color[0] == 0.5f);
+    assert_true(near(poster->emissive[1], 2.0)); /* 0.5 at strength 4 */
+    const gw_texture *texture = &scene->textures[poster->base_color_texture];
+    assert_int_equal(texture->wrap_u, GW_WRAP_CLAMP);
+    assert_int_equal(texture->wrap_v, GW_WRAP_MIRROR);
+    assert_int_equal(texture->image.rgba[0], 40);
+    assert_int_equal(texture->image.rgba[2], 160);
+}
+
+static void gltf_is_carried(void **state) {
+    (void)state;
+    gw_scene *text = import("tests/data/poster.gltf"), *binary = import("tests/data/poster.glb");
+    check_poster(text);
+    check_poster(binary);
+    assert_true(gw_hash_equal(text->hash, binary->hash));
+    assert_int_equal(text->light_count, 3);
+    assert_true(text->lights[0].kind == GW_LIGHT_DIRECTIONAL && near(text->lights[0].vector[1], -1.0));
+    assert_true(near(text->lights[0].color[0], 3.0) && near(text->lights[0].color[2], 0.75));
+    assert_true(text->lights[1].kind == GW_LIGHT_POINT && near(text->lights[1].vector[2], 3.0));
+    assert_true(near(text->lights[1].color[1], 10.0));
+    assert_int_equal(text->viewpoint_count, 1);
+    assert_string_equal(text->viewpoints[0].name, "door");
+    assert_true(near(text->viewpoints[0].eye[2], 5.0) && near(text->viewpoints[0].look_at[2], 4.0));
+    assert_true(fabs(text->viewpoints[0].fov - 0.7 * 180.0 / 3.14159265358979) < 1e-3);
+    assert_true(has_note(text, "KHR_materials_sheen") && has_note(text, "EXT_from_nowhere: unknown"));
+    assert_true(has_note(text, "1 spot lights") && !has_note(text, "no light"));
+    gw_scene_destroy(&text);
+    gw_scene_destroy(&binary);
+}
+
+/* --- children that misbehave --- */
+
+/* A stand-in for the import child: a shell script. */
+static const char *script(char path[512], const char *name, const char *body) {
+    scratch_path(path, name);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fprintf(file, "#!/bin/sh\n%s\n", body);
+    fclose(file);
+    assert_int_equal(chmod(path, 0755), 0);
+    return path;
+}
+
+static void check_child(const char *body, double seconds, uint64_t bytes, gw_code wanted, const char *part) {
+    char path[512];
+    gw_scene *scene = NULL;
+    const gw_import_options options = {
+        .program = script(path, "child.sh", body), .time_limit = seconds, .memory_limit = bytes};
+    check_fails(gw_import("tests/data/tetra.ply", &options, &scene, &error), wanted, part);
+    assert_null(scene);
+    assert_int_equal(waitpid(-1, NULL, WNOHANG), -1); /* nobody is left behind */
+    remove(path);
+}
+
+static void bad_children_are_named(void **state) {
+    (void)state;
+    struct timespec begin, end;
+    clock_gettime(CLOCK_MONOTONIC, &begin);
+    check_child("exec sleep 60", 0.5, 0, GW_BAD_INPUT, "did not finish within 0.5 s");
+    clock_gettime(CLOCK_MONOTONIC, &end);
+    assert_true(end.tv_sec - begin.tv_sec < 20);
+    check_child("kill -SEGV $$", 0, 0, GW_BAD_INPUT, "crashed on it (signal 11");
+    check_child("echo 'std::bad_alloc' >&2; kill -ABRT $$", 0, 64 << 20, GW_BAD_INPUT,
+                "the 64 MiB of memory");
+    check_child("kill -XCPU $$", 3, 0, GW_BAD_INPUT, "more than 3 s of processor time");
+    check_child("exec cat /dev/zero", 0, 4 << 20, GW_BAD_INPUT, "larger than the limit of 4 MiB");
+    check_child("exit 0", 0, 0, GW_BAD_INPUT, "is not a model (0 bytes)");
+    check_child("echo hello there, this is not what you think", 0, 0, GW_BAD_INPUT, "is not a model");
+    check_child("echo 'chatter' >&2; echo 'error: the reason' >&2; exit 2", 0, 0, GW_BAD_INPUT,
+                "tetra.ply: the reason");
+    check_child("exit 3", 0, 0, GW_MACHINE, "ended without a reason");
+    check_child("yes >&2 & sleep 0.2; kill $!; echo 'error: after much talk' >&2; exit 2", 0, 0, GW_BAD_INPUT,
+                "after much talk");
+}
+
+static void a_program_that_is_not_there_is_named(void **state) {
+    (void)state;
+    gw_scene *scene = NULL;
+    const gw_import_options options = {.program = "/nonexistent/gazewall"};
+    check_fails(gw_import("tests/data/tetra.ply", &options, &scene, &error), GW_MACHINE,
+                "/nonexistent/gazewall");
+}
+
+/* Limits hold in the real child too. */
+static void memory_limit_holds(void **state) {
+    (void)state;
+#ifdef __SANITIZE_ADDRESS__
+    skip(); /* no limit of address space under the sanitizer */
+#endif
+    char path[512];
+    gw_scene *scene = NULL;
+    FILE *file = fopen(scratch_path(path, "large.obj"), "w");
+    assert_non_null(file);
+    for (int i = 0; i < 400000; i++)
+        fprintf(file, "v %d 0 0\n", i);
+    for (int i = 1; i < 400000 - 2; i++)
+        fprintf(file, "f %d %d %d\n", i, i + 1, i + 2);
+    fclose(file);
+    const gw_import_options options = {.program = program(), .memory_limit = (uint64_t)160 << 20};
+    check_fails(gw_import(path, &options, &scene, &error), GW_BAD_INPUT, "160 MiB of memory");
+    remove(path);
+}
+
+/* --- glTF JSON under mutation --- */
+
+static void gltf_survives_mutations(void **state) {
+    (void)state;
+    static const char *const paths[] = {"tests/data/poster.gltf", "tests/data/poster.glb"};
+    uint64_t random = 20240608;
+    print_message("seed %llu\n", (unsigned long long)random);
+    for (size_t p = 0; p < 2; p++) {
+        gw_bytes bytes = {0};
+        check_ok(gw_file_read(paths[p], 1 << 20, &bytes, &error));
+        for (int run = 0; run < 6000; run++) {
+            uint8_t *copy = malloc(bytes.size);
+            assert_non_null(copy);
+            memcpy(copy, bytes.data, bytes.size);
+            const size_t length = gw_test_random(&random) < 0.1
+                                      ? (size_t)(gw_test_random(&random) * (double)bytes.size)
+                                      : bytes.size;
+            for (int i = 0; i < 3; i++) { /* digits for digits reach further than random bytes */
+                const size_t at = (size_t)(gw_test_random(&random) * (double)bytes.size);
+                const int digit = copy[at] >= '0' && copy[at] <= '9';
+                copy[at] = (uint8_t)(digit ? '0' + (int)(gw_test_random(&random) * 10.0)
+                                     : gw_test_random(&random) < 0.3 ? gw_test_random(&random) * 256.0
+                                                                     : copy[at]);
+            }
+            fuzz_gltf(copy, length);
+            free(copy);
+        }
+        gw_bytes_finish(&bytes);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(all_formats_give_the_same_tetrahedron),
+        cmocka_unit_test(vertex_colours_become_linear),
+        cmocka_unit_test(mtl_keys_are_carried),
+        cmocka_unit_test(gltf_is_carried),
+        cmocka_unit_test(bad_children_are_named),
+        cmocka_unit_test(a_program_that_is_not_there_is_named),
+        cmocka_unit_test(memory_limit_holds),
+        cmocka_unit_test(gltf_survives_mutations),
+    };
+    return cmocka_run_group_tests_name("import", tests, NULL, NULL);
+}

@@ -67,7 +67,9 @@ float payload_opacity(uvec3 payload, vec3 normal, vec3 enter, vec3 leave) {
     float centre = clamp(offset, SLAB_HALF - reach, reach - SLAB_HALF);
     precise float low = max(min(enter_height, leave_height), centre - SLAB_HALF);
     precise float high = min(max(enter_height, leave_height), centre + SLAB_HALF);
-    precise float crossed = max(high - low, 0.0) * (0.5 / SLAB_HALF);
+    // Half the slab is enough: where the plane meets the cell's border, the other half lies in the neighbour, which may be
+    // a leaf of triangles and add nothing.
+    precise float crossed = clamp((high - low) * (1.0 / SLAB_HALF), 0.0, 1.0);
     precise float filled = min(area / max(cube_section(normal, centre), 1e-3), 1.0);
     float slab_share = clamp((agreement - CLOUD_AGREEMENT) * (1.0 / (SLAB_AGREEMENT - CLOUD_AGREEMENT)), 0.0, 1.0);
     precise float opacity = mix(cloud, crossed * filled, slab_share);

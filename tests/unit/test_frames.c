@@ -1,0 +1,159 @@
+/* Frame states: what a track says becomes a state, and a recording gives every bit back. */
+#include "tests/support/check.h"
+
+#include "base/file.h"
+#include "wall/frames.h"
+
+#include <math.h>
+
+static gw_settings defaults(void) {
+    gw_settings settings;
+    gw_settings_init(&settings);
+    return settings;
+}
+
+static double dot(const float a[3], const float b[3]) {
+    return (double)a[0] * b[0] + (double)a[1] * b[1] + (double)a[2] * b[2];
+}
+
+static void a_stare_is_one_gaze(void **state) {
+    (void)state;
+    gw_settings settings = defaults();
+    gw_frame_state s;
+    const double eye[3] = {100, 50, 1800};
+    gw_frame_begin(&s, 7, &settings, 9, GW_DEBUG_LEVELS);
+    gw_frame_stare(&s, eye, (const double[3]){100, 50, 0}, &settings);
+    assert_int_equal(s.frame, 7);
+    assert_int_equal(s.seed, 9);
+    assert_int_equal(s.debug, GW_DEBUG_LEVELS);
+    assert_true((double)s.tau == settings.tau);
+    assert_int_equal(s.gaze_count, 1);
+    assert_true(s.gazes[0].direction[2] == -1.0f && s.gazes[0].up[1] == 1.0f);
+    assert_true((double)s.gazes[0].half_width == settings.gaze_half_width);
+    gw_frame_begin(&s, 0, &settings, 0, GW_DEBUG_NONE);
+    gw_frame_stare(&s, eye, NULL, &settings);
+    assert_int_equal(s.gaze_count, 0);
+    assert_true(s.eye[0] == 100);
+}
+
+/* Any direction, straight up and down included, gives a unit up across it. */
+static void up_is_across_every_gaze(void **state) {
+    (void)state;
+    gw_settings settings = defaults();
+    const double eye[3] = {0, 0, 0};
+    for (int x = -2; x <= 2; x++) {
+        for (int y = -2; y <= 2; y++) {
+            for (int z = -2; z <= 2; z++) {
+                gw_frame_state s;
+                gw_frame_begin(&s, 0, &settings, 0, GW_DEBUG_NONE);
+                gw_frame_stare(&s, eye, (const double[3]){x, y, z}, &settings);
+                if (!x && !y && !z) {
+                    assert_int_equal(s.gaze_count, 0); /* at the eye itself there is no direction */
+                    continue;
+                }
+                const gw_gaze *gaze = &s.gazes[0];
+                assert_true(fabs(dot(gaze->direction, gaze->direction) - 1) < 1e-6);
+                assert_true(fabs(dot(gaze->up, gaze->up) - 1) < 1e-6);
+                assert_true(fabs(dot(gaze->up, gaze->direction)) < 1e-6);
+            }
+        }
+    }
+}
+
+static void the_track_speaks(void **state) {
+    (void)state;
+    gw_settings settings = defaults();
+    gw_track *track = NULL;
+    const double neutral[3] = {1, 2, 3};
+    check_ok(gw_track_demo(2000, 1125, &track, &error));
+    gw_frame_state s;
+    gw_frame_begin(&s, 0, &settings, 0, GW_DEBUG_NONE);
+    gw_frame_look(&s, track, track->duration / 3, neutral, &settings);
+    gw_track_sample sample;
+    gw_track_at(track, track->duration / 3, &sample);
+    assert_true(sample.has_head && sample.has_gaze);
+    assert_memory_equal(s.eye, sample.eye, sizeof s.eye);
+    assert_int_equal(s.gaze_count, 1);
+    assert_true(fabs((double)s.gazes[0].direction[2] - sample.gaze_direction[2]) < 1e-6);
+    assert_int_equal(s.time, track->duration / 3);
+    gw_track_destroy(&track);
+}
+
+/* Values that only survive when every digit is written: all bytes of the state come back. */
+static void a_recording_gives_every_bit_back(void **state) {
+    (void)state;
+    enum { COUNT = 50 };
+    static gw_frame_state states[COUNT];
+    gw_settings settings = defaults();
+    char path[512];
+    scratch_path(path, "states.json");
+    for (uint32_t i = 0; i < COUNT; i++) {
+        settings.tau = 1.0 / (i + 3.0);
+        settings.acuity_slope = 0.02 + 1e-9 * i;
+        gw_frame_begin(&states[i], i, &settings, UINT32_MAX - i, (gw_debug_view)(i % 5));
+        const double eye[3] = {1000.0 / 3 * i, -1e-7 / (i + 1), 1800.000000001 + i};
+        const double target[3] = {i * 0.1, sin(i), -3};
+        gw_frame_stare(&states[i], eye, i % 4 ? target : NULL, &settings);
+        states[i].time = INT64_C(9007199254740993) + i; /* more digits than a double has */
+        states[i].gazes[0].age = i % 4 ? 0.1f * (float)i : 0;
+        states[i].geometry = (uint8_t)(i % 3);
+    }
+    check_ok(gw_states_save(path, states, COUNT, &error));
+    gw_states back;
+    check_ok(gw_states_load(path, &back, &error));
+    remove(path);
+    assert_int_equal(back.count, COUNT);
+    for (uint32_t i = 0; i < COUNT; i++)
+        assert_memory_equal(&back.states[i], &states[i], sizeof states[i]);
+    gw_states_finish(&back);
+}
+
+static const char *write_text(char path[512], const char *text) {
+    scratch_path(path, "broken-states.json");
+    check_ok(gw_file_write(path, text, strlen(text), &error));
+    return path;
+}
+
+static void broken_recordings_are_told_by_line(void **state) {
+    (void)state;
+    char path[512];
+    gw_states states;
+    static const struct {
+        const char *text, *part;
+    } cases[] = {
+        {"", "no frame state"},
+        {"{\"gazewall_states\": 1}\n", "no frame state"},
+        {"{\"gazewall_states\": 2}\n", ":1: no recording of frame states"},
+        {"[1]\n", ":1: not a JSON object"},
+        {"{\"gazewall_states\": 1}\n{\"frame\": 0\n", ":2: not a JSON object"},
+        {"{\"gazewall_states\": 1}\n{\"frame\": -1}\n", ":2: 'frame' is missing or not a number"},
+        {"{\"gazewall_states\": 1}\n{\"frame\": 0, \"time\": 0, \"seed\": 0, \"eye\": [1, 2, \"x\"]}\n",
+         ":2: 'eye' is missing"},
+        {"{\"gazewall_states\": 1}\n{\"frame\": 0, \"time\": 0, \"seed\": 0, \"eye\": [1, 2, 3], "
+         "\"gazes\": [1, 2, 3, 4, 5]}\n",
+         "a list of at most 4"},
+        {"{\"gazewall_states\": 1}\n{\"frame\": 0, \"time\": 0, \"seed\": 0, \"eye\": [1, 2, 3], "
+         "\"gazes\": [{\"eye\": [0, 0, 0], \"direction\": [0, 0, -2], \"up\": [0, 1, 0]}]}\n",
+         "'direction' has length 2, not 1"},
+        {"{\"gazewall_states\": 1}\n{\"frame\": 0, \"time\": 0, \"seed\": 0, \"eye\": [1, 2, 3], \"gazes\": "
+         "[]}\n",
+         "'tau' is missing"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        write_text(path, cases[i].text);
+        check_fails(gw_states_load(path, &states, &error), GW_BAD_INPUT, cases[i].part);
+        assert_null(states.states);
+    }
+    remove(path);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_stare_is_one_gaze),
+        cmocka_unit_test(up_is_across_every_gaze),
+        cmocka_unit_test(the_track_speaks),
+        cmocka_unit_test(a_recording_gives_every_bit_back),
+        cmocka_unit_test(broken_recordings_are_told_by_line),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

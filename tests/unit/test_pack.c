@@ -1,0 +1,232 @@
+/* Scene and octree as one block: everything comes back, equal input gives equal bytes, damage is noticed. */
+#include "tests/support/check.h"
+
+#include "build/pack.h"
+
+enum { VERTICES = 5, TRIANGLES = 3, NODES = 4, REFERENCES = 6 };
+
+typedef struct fixture {
+    gw_scene scene;
+    gw_octree octree;
+    float positions[VERTICES][3], normals[VERTICES][3], texcoords[VERTICES][2];
+    uint8_t colors[VERTICES][4], red[2 * 3 * 4], blue[4];
+    uint32_t triangles[TRIANGLES][3], material_of[TRIANGLES], references[REFERENCES];
+    gw_material materials[2];
+    gw_texture textures[2];
+    gw_light lights[1];
+    gw_viewpoint viewpoints[1];
+    gw_node nodes[NODES];
+    gw_payload payloads[NODES];
+    char path[8];
+} fixture;
+
+static void fill_scene(fixture *f) {
+    gw_scene *s = &f->scene;
+    strcpy(f->path, "made");
+    s->path = f->path;
+    s->hash = (gw_hash){1, 2};
+    s->vertex_count = VERTICES;
+    s->triangle_count = TRIANGLES;
+    for (int i = 0; i < VERTICES; i++) {
+        for (int k = 0; k < 3; k++) {
+            f->positions[i][k] = (float)(i * 3 + k) / 16;
+            f->normals[i][k] = k == 2;
+        }
+        f->texcoords[i][0] = (float)i;
+        memset(f->colors[i], i, 4);
+    }
+    const uint32_t triangles[TRIANGLES][3] = {{0, 1, 2}, {1, 2, 3}, {2, 3, 4}};
+    memcpy(f->triangles, triangles, sizeof triangles);
+    f->material_of[1] = 1;
+    s->positions = f->positions[0];
+    s->normals = f->normals[0];
+    s->texcoords = f->texcoords[0];
+    s->colors = f->colors[0];
+    s->triangles = f->triangles;
+    s->material_of = f->material_of;
+    s->material_count = 2;
+    s->materials = f->materials;
+    strcpy(f->materials[1].name, "second");
+    f->materials[0].base_color_texture = -1;
+    f->materials[1].base_color_texture = 1;
+    s->texture_count = 2;
+    s->textures = f->textures;
+    memset(f->red, 200, sizeof f->red);
+    memset(f->blue, 50, sizeof f->blue);
+    f->textures[0] = (gw_texture){.name = "red", .image = {2, 3, f->red}, .wrap_u = GW_WRAP_CLAMP};
+    f->textures[1] = (gw_texture){.name = "blue", .image = {1, 1, f->blue}, .wrap_v = GW_WRAP_MIRROR};
+    s->light_count = s->viewpoint_count = 1;
+    s->lights = f->lights;
+    s->viewpoints = f->viewpoints;
+    f->lights[0].vector[1] = -1;
+    strcpy(f->viewpoints[0].name, "door");
+    s->ambient[1] = 0.25f;
+    s->background[2] = 0.5f;
+    s->placement.kind = GW_PLACE_VIEWPOINT;
+    s->placement.scale = 3;
+    s->centre[0] = 1.0 / 3;
+    s->exponent = -4;
+    s->bounds[1][2] = 7;
+}
+
+static void fill_octree(fixture *f) {
+    gw_octree *o = &f->octree;
+    o->depth = 2;
+    o->node_count = NODES;
+    o->reference_count = REFERENCES;
+    o->level_begin[1] = 1;
+    o->level_begin[2] = o->level_begin[3] = NODES;
+    o->nodes = f->nodes;
+    o->payloads = f->payloads;
+    o->references = f->references;
+    o->hash = (gw_hash){3, 4};
+    o->statistics.pairs = 11;
+    for (uint32_t i = 0; i < NODES; i++) {
+        f->nodes[i] = (gw_node){i, i * 2};
+        f->payloads[i] = (gw_payload){i, i + 1, i + 2};
+    }
+    for (uint32_t i = 0; i < REFERENCES; i++)
+        f->references[i] = i * 7;
+}
+
+static fixture *make_fixture(void) {
+    fixture *f = calloc(1, sizeof *f);
+    assert_non_null(f);
+    fill_scene(f);
+    fill_octree(f);
+    return f;
+}
+
+static void *pack(const fixture *f, size_t *size) {
+    *size = gw_pack_size(&f->scene, &f->octree);
+    assert_true(*size % 64 == 0);
+    void *block = aligned_alloc(64, *size);
+    assert_non_null(block);
+    memset(block, 0xa5, *size);
+    gw_pack(&f->scene, &f->octree, block);
+    return block;
+}
+
+static void everything_comes_back(void **state) {
+    (void)state;
+    fixture *f = make_fixture();
+    size_t size;
+    void *block = pack(f, &size);
+    gw_unpacked u;
+    check_ok(gw_unpack(block, size, &u, &error));
+    const gw_scene *s = &u.scene;
+    assert_string_equal(s->path, "made");
+    assert_memory_equal(&s->hash, &f->scene.hash, sizeof s->hash);
+    assert_int_equal(s->vertex_count, VERTICES);
+    assert_memory_equal(s->positions, f->positions, sizeof f->positions);
+    assert_memory_equal(s->normals, f->normals, sizeof f->normals);
+    assert_memory_equal(s->texcoords, f->texcoords, sizeof f->texcoords);
+    assert_memory_equal(s->colors, f->colors, sizeof f->colors);
+    assert_memory_equal(s->triangles, f->triangles, sizeof f->triangles);
+    assert_memory_equal(s->material_of, f->material_of, sizeof f->material_of);
+    assert_memory_equal(s->materials, f->materials, sizeof f->materials);
+    assert_int_equal(s->texture_count, 2);
+    assert_string_equal(s->textures[0].name, "red");
+    assert_int_equal(s->textures[0].image.height, 3);
+    assert_memory_equal(s->textures[0].image.rgba, f->red, sizeof f->red);
+    assert_memory_equal(s->textures[1].image.rgba, f->blue, sizeof f->blue);
+    assert_int_equal(s->textures[0].wrap_u, GW_WRAP_CLAMP);
+    assert_int_equal(s->textures[1].wrap_v, GW_WRAP_MIRROR);
+    assert_memory_equal(s->lights, f->lights, sizeof f->lights);
+    assert_memory_equal(s->viewpoints, f->viewpoints, sizeof f->viewpoints);
+    assert_memory_equal(s->ambient, f->scene.ambient, sizeof s->ambient);
+    assert_memory_equal(s->background, f->scene.background, sizeof s->background);
+    assert_int_equal(s->placement.kind, GW_PLACE_VIEWPOINT);
+    assert_true(s->placement.scale == 3 && s->centre[0] == 1.0 / 3 && s->exponent == -4 &&
+                s->bounds[1][2] == 7);
+    const gw_octree *o = &u.octree;
+    assert_int_equal(o->depth, 2);
+    assert_memory_equal(o->level_begin, f->octree.level_begin, sizeof o->level_begin);
+    assert_memory_equal(o->nodes, f->nodes, sizeof f->nodes);
+    assert_memory_equal(o->payloads, f->payloads, sizeof f->payloads);
+    assert_memory_equal(o->references, f->references, sizeof f->references);
+    assert_memory_equal(&o->hash, &f->octree.hash, sizeof o->hash);
+    assert_int_equal(o->statistics.pairs, 11);
+    assert_true(o->borrowed);
+    gw_unpacked_finish(&u);
+    free(block);
+    free(f);
+}
+
+static void no_colors_stay_none(void **state) {
+    (void)state;
+    fixture *f = make_fixture();
+    f->scene.colors = NULL;
+    size_t size;
+    void *block = pack(f, &size);
+    gw_unpacked u;
+    check_ok(gw_unpack(block, size, &u, &error));
+    assert_null(u.scene.colors);
+    gw_unpacked_finish(&u);
+    free(block);
+    free(f);
+}
+
+static void equal_input_gives_equal_bytes(void **state) {
+    (void)state;
+    fixture *a = make_fixture(), *b = make_fixture();
+    size_t size_a, size_b;
+    void *block_a = pack(a, &size_a), *block_b = pack(b, &size_b);
+    assert_int_equal(size_a, size_b);
+    assert_memory_equal(block_a, block_b, size_a);
+    free(block_a);
+    free(block_b);
+    free(a);
+    free(b);
+}
+
+static void damage_is_noticed(void **state) {
+    (void)state;
+    fixture *f = make_fixture();
+    size_t size;
+    uint8_t *block = pack(f, &size);
+    gw_unpacked u;
+    check_fails(gw_unpack(block, size - 64, &u, &error), GW_BAD_INPUT, "damaged");
+    check_fails(gw_unpack(block, 16, &u, &error), GW_BAD_INPUT, "cut");
+    f->triangles[2][1] = VERTICES;
+    gw_pack(&f->scene, &f->octree, block);
+    check_fails(gw_unpack(block, size, &u, &error), GW_BAD_INPUT, "a triangle's index");
+    f->triangles[2][1] = 0;
+    f->materials[1].base_color_texture = 2;
+    gw_pack(&f->scene, &f->octree, block);
+    check_fails(gw_unpack(block, size, &u, &error), GW_BAD_INPUT, "a material's texture");
+    free(block);
+    free(f);
+}
+
+/* Every byte of the head flipped: either an error, or a block that still lies inside itself. Under the
+ * address sanitizer this proves that nothing outside is read. */
+static void a_flipped_head_is_harmless(void **state) {
+    (void)state;
+    fixture *f = make_fixture();
+    size_t size;
+    uint8_t *block = pack(f, &size);
+    int refused = 0;
+    for (size_t i = 0; i < 1024 && i < size; i++) {
+        gw_unpacked u;
+        gw_error error = {0};
+        block[i] ^= 0x40;
+        if (gw_unpack(block, size, &u, &error) == GW_OK)
+            gw_unpacked_finish(&u);
+        else
+            refused++;
+        block[i] ^= 0x40;
+    }
+    assert_true(refused > 100);
+    free(block);
+    free(f);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(everything_comes_back),         cmocka_unit_test(no_colors_stay_none),
+        cmocka_unit_test(equal_input_gives_equal_bytes), cmocka_unit_test(damage_is_noticed),
+        cmocka_unit_test(a_flipped_head_is_harmless),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

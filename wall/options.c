@@ -125,12 +125,14 @@ static const struct argp_option *find_option(const struct argp_option *const *op
 static gw_code unknown_option(const struct argp_option *const *options, size_t count, const char *word,
                               size_t length, gw_error *error) {
     const char *names[MAXIMUM_OPTIONS + 1];
+    size_t known = 0;
     for (size_t i = 0; i < count; i++)
-        names[i] = options[i]->name;
-    names[count] = "help";
+        if (!(options[i]->flags & OPTION_HIDDEN))
+            names[known++] = options[i]->name;
+    names[known++] = "help";
     char bare[64];
     snprintf(bare, sizeof bare, "%.*s", (int)length, word);
-    const char *near = gw_suggest(bare, names, count + 1);
+    const char *near = gw_suggest(bare, names, known);
     if (near)
         return gw_fail(error, GW_BAD_INPUT, "unknown option '--%s'; did you mean '--%s'?", bare, near);
     return gw_fail(error, GW_BAD_INPUT, "unknown option '--%s'; --help lists the options", bare);

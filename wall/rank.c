@@ -173,7 +173,7 @@ static gw_code start_mpi(gw_rank *rank, gw_error *error) {
 
 static gw_code run(gw_rank *rank, int argc, char **argv, gw_error *error) {
     gw_conductor conductor = {0};
-    gw_code code = gw_share_init(&rank->share, error);
+    gw_code code = gw_share_init(&rank->share, rank->options.machines, error);
     if (!code)
         code = spread_layout(rank, error);
     if (!code && rank->number == 0)

@@ -40,15 +40,18 @@ int gw_share_sweep(void) {
     return swept;
 }
 
-gw_code gw_share_init(gw_share *share, gw_error *error) {
+gw_code gw_share_init(gw_share *share, int machines, gw_error *error) {
     memset(share, 0, sizeof *share);
     share->leaders = MPI_COMM_NULL;
-    gw_code code = gw_mpi_check(
-        MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &share->machine),
-        "finding the ranks of this machine", error);
+    int rank = 0, size = 1;
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    MPI_Comm_size(MPI_COMM_WORLD, &size);
+    int split = machines > 1 ? MPI_Comm_split(MPI_COMM_WORLD, rank * machines / size, 0, &share->machine)
+                             : MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL,
+                                                   &share->machine);
+    gw_code code = gw_mpi_check(split, "finding the ranks of this machine", error);
     if (code)
         return code;
-    int rank = 0;
     MPI_Comm_rank(share->machine, &rank);
     share->is_leader = rank == 0;
     return gw_mpi_check(

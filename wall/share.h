@@ -25,8 +25,9 @@ typedef struct gw_share {
     gw_unpacked contents;
 } gw_share;
 
-/* Finds out who shares a machine. Call right after MPI_Init, when all ranks arrive together. */
-gw_code gw_share_init(gw_share *share, gw_error *error);
+/* Finds out who shares a machine. Call right after MPI_Init, when all ranks arrive together. machines > 1
+ * pretends that the ranks stand on so many machines, to test on one what several do. */
+gw_code gw_share_init(gw_share *share, int machines, gw_error *error);
 
 /* Rank 0 gives scene and octree, the others NULL; on return share->contents holds both on every rank. Waits
  * until deadline (gw_now_ns clock). */

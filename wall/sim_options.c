@@ -83,6 +83,7 @@ enum {
     KEY_NO_GAZE,
     KEY_LOAD_DEADLINE,
     KEY_FRAME_DEADLINE,
+    KEY_MACHINES,
     KEY_LINK
 };
 
@@ -119,6 +120,7 @@ static const struct argp_option sim_options[] = {
      "1 to 86400 s, default 600: all ranks must be ready by then", 12},
     {"frame-deadline", KEY_FRAME_DEADLINE, "SECONDS", 0,
      "0.1 to 3600 s: a tile silent for so long is lost; default: 20 median frames, at least 10 s", 12},
+    {"machines", KEY_MACHINES, "N", OPTION_HIDDEN, NULL, 0},
     {"link", KEY_LINK, "NAME", OPTION_HIDDEN, NULL, 0},
     {0}};
 
@@ -154,6 +156,10 @@ static gw_code parse_frames(int key, const char *argument, gw_sim_options *optio
         code = gw_parse_integer("--frames", argument, 1, 1000000, &integer, error);
         options->frames = (uint32_t)integer;
         return code;
+    case KEY_MACHINES:
+        code = gw_parse_integer("--machines", argument, 1, GW_MAXIMUM_TILES, &integer, error);
+        options->machines = (int)integer;
+        return code;
     case KEY_STEP:
         return gw_parse_number("--step", argument, 0, 3600, &options->step, error);
     case KEY_GAZE:
@@ -184,6 +190,7 @@ static error_t parse_sim(int key, char *argument, struct argp_state *state) {
         code = parse_wall(key, argument, &options->wall, error);
         break;
     case KEY_FRAMES:
+    case KEY_MACHINES:
     case KEY_STEP:
     case KEY_GAZE:
     case KEY_LOAD_DEADLINE:

@@ -38,7 +38,8 @@ typedef struct gw_sim_options {
     gw_gaze_choice gaze;
     double gaze_pixel[2];
     double load_deadline, frame_deadline; /* s; frame_deadline 0: from the frames measured so far */
-    const char *link;                     /* hidden: the launcher's address, for ranks */
+    int machines;     /* hidden, for tests: pretend that the ranks stand on so many machines */
+    const char *link; /* hidden: the launcher's address, for ranks */
 } gw_sim_options;
 
 /* argv[0] is "sim" or "rank". */

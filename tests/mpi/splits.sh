@@ -22,9 +22,11 @@ sim 1x1 --tiles 1x1 --size 161x97 "${view[@]}"
 sim 2x2 --tiles 2x2 --size 161x97 "${view[@]}"
 sim 3x1 --tiles 3x1 --size 161x97 "${view[@]}"
 sim uneven --columns 70,20,71 --rows 33,64 "${view[@]}"
+# Two machines, pretended: the octree's bytes go by MPI from the first rank of one to the first rank of the other.
+sim machines --tiles 3x1 --size 161x97 "${view[@]}" --machines 2
 wanted=$(json render.json '["image"]["hash"]')
 is "the hash has 32 digits" "${#wanted}" 32
-for name in 1x1 2x2 3x1 uneven; do
+for name in 1x1 2x2 3x1 uneven machines; do
     is "$name has render's pixels" "$(json $name/report.json '["image"]["hash"]')" "$wanted"
 done
 for name in 2x2 3x1 uneven; do

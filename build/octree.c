@@ -188,7 +188,7 @@ static void finish_builder(gw_octree_builder *builder) {
     gw_gl_buffer_finish(&builder->topology);
 }
 
-static void hash_octree(gw_octree *octree) {
+void gw_octree_hash(gw_octree *octree) {
     gw_hash hash = {0, 0};
     hash = gw_hash_bytes(hash, &octree->depth, sizeof octree->depth);
     hash = gw_hash_bytes(hash, octree->nodes, (size_t)gw_octree_node_bytes(octree));
@@ -219,7 +219,7 @@ static gw_code run_stages(gw_octree_builder *builder, gw_octree *octree, gw_erro
     octree->statistics.milliseconds[0] = refine_ms;
     octree->statistics.milliseconds[3] = assemble_ms;
     if (code == GW_OK)
-        hash_octree(octree);
+        gw_octree_hash(octree);
     return code;
 }
 

@@ -1,10 +1,11 @@
 /* The hybrid triangle/voxel octree: host bytes, the GPU build, and the checks.
  *
- * The root cell is the cube [-1,1]^3 of rebased space; a cell at level l has side 2^(1-l) and integer coordinates
- * 0..2^l-1, its lower corner at coordinate * 2^(1-l) - 1 (exact in float). Nodes stand level by level, within a level in
- * Morton order of their cells; node 0 is the root. Node, payload and reference encodings: shaders/common/shared.h.
- * The bytes depend on the scene and the BUILD settings only, not on parts, group sizes or memory limits.
- * gw_octree_build needs a GL device on the calling thread; the rest is plain host code. */
+ * The root cell is the cube [-1,1]^3 of rebased space; a cell at level l has side 2^(1-l) and integer
+ * coordinates 0..2^l-1, its lower corner at coordinate * 2^(1-l) - 1 (exact in float). Nodes stand level by
+ * level, within a level in Morton order of their cells; node 0 is the root. Node, payload and reference
+ * encodings: shaders/common/shared.h. The bytes depend on the scene and the BUILD settings only, not on
+ * parts, group sizes or memory limits. gw_octree_build needs a GL device on the calling thread; the rest is
+ * plain host code. */
 #ifndef GW_BUILD_OCTREE_H
 #define GW_BUILD_OCTREE_H
 
@@ -22,29 +23,30 @@ enum { GW_OCTREE_MAXIMUM_DEPTH = 15 };
 
 /* What the build did: deterministic work counts, and times that are not. */
 typedef struct gw_octree_statistics {
-    uint64_t pairs;              /* (triangle, cell) pairs formed over all levels */
-    uint64_t overlap_tests;      /* triangle against child cell */
-    uint64_t inner, leaves;      /* nodes */
-    uint64_t single_leaves;      /* leaves with one inline triangle */
-    uint64_t stopped_small;      /* leaves by the K rule */
-    uint64_t stopped_fan;        /* leaves by the fan rule */
-    uint64_t stopped_depth;      /* leaves at the depth limit with more than K triangles */
-    uint64_t refined_isolated;   /* cells refined only because of the isolation rule */
-    uint32_t longest_list;       /* triangles in the fullest leaf */
-    uint32_t deepest;            /* deepest level that has a node */
-    uint32_t parts;              /* slices the build was cut into to stay below the driver's limits */
-    double milliseconds[4];      /* refinement, payload of leaves, payload upwards, assembly and read-back */
+    uint64_t pairs;            /* (triangle, cell) pairs formed over all levels */
+    uint64_t overlap_tests;    /* triangle against child cell */
+    uint64_t inner, leaves;    /* nodes */
+    uint64_t single_leaves;    /* leaves with one inline triangle */
+    uint64_t stopped_small;    /* leaves by the K rule */
+    uint64_t stopped_fan;      /* leaves by the fan rule */
+    uint64_t stopped_depth;    /* leaves at the depth limit with more than K triangles */
+    uint64_t refined_isolated; /* cells refined only because of the isolation rule */
+    uint32_t longest_list;     /* triangles in the fullest leaf */
+    uint32_t deepest;          /* deepest level that has a node */
+    uint32_t parts;            /* slices the build was cut into to stay below the driver's limits */
+    double milliseconds[4];    /* refinement, payload of leaves, payload upwards, assembly and read-back */
 } gw_octree_statistics;
 
 typedef struct gw_octree {
     uint32_t depth; /* the depth limit it was built with */
     uint32_t node_count, reference_count;
-    uint32_t level_begin[GW_OCTREE_MAXIMUM_DEPTH + 2]; /* first node of each level; [depth + 1] is node_count */
-    gw_node *nodes;         /* [node_count] */
-    gw_payload *payloads;   /* [node_count] */
-    uint32_t *references;   /* [reference_count], entry 0 reserved */
-    gw_hash hash;           /* of depth, nodes, payloads, references */
-    int borrowed;           /* 1: the arrays belong to somebody else (a shared segment) */
+    uint32_t
+        level_begin[GW_OCTREE_MAXIMUM_DEPTH + 2]; /* first node of each level; [depth + 1] is node_count */
+    gw_node *nodes;                               /* [node_count] */
+    gw_payload *payloads;                         /* [node_count] */
+    uint32_t *references;                         /* [reference_count], entry 0 reserved */
+    gw_hash hash;                                 /* of depth, nodes, payloads, references */
+    int borrowed; /* 1: the arrays belong to somebody else (a shared segment) */
     gw_octree_statistics statistics;
 } gw_octree;
 
@@ -56,14 +58,17 @@ typedef struct gw_octree_options {
 } gw_octree_options;
 
 /* GW_MACHINE when it cannot fit: the text says how much is needed and which settings to lower. */
-gw_code gw_octree_build(gw_gl *device, const gw_scene *scene, const gw_octree_options *options, gw_octree **out,
-                        gw_error *error);
+gw_code gw_octree_build(gw_gl *device, const gw_scene *scene, const gw_octree_options *options,
+                        gw_octree **out, gw_error *error);
 void gw_octree_destroy(gw_octree **octree);
 
-/* Every structural invariant, on the GPU (a debug shader): popcount and bases, siblings packed, list ends, ids in range,
- * every leaf's cell overlapped by its triangles, payload finite and conserving area. GW_MACHINE names the first node
- * that fails. */
+/* Every structural invariant, on the GPU (a debug shader): popcount and bases, siblings packed, list ends,
+ * ids in range, every leaf's cell overlapped by its triangles, payload finite and conserving area. GW_MACHINE
+ * names the first node that fails. */
 gw_code gw_octree_validate(gw_gl *device, const gw_scene *scene, const gw_octree *octree, gw_error *error);
+
+/* Sets octree->hash from its contents. */
+void gw_octree_hash(gw_octree *octree);
 
 /* Bytes of each array. */
 uint64_t gw_octree_node_bytes(const gw_octree *octree);

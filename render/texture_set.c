@@ -29,7 +29,8 @@ static gw_code plan_init(texture_plan *plan, const gw_scene *scene, uint32_t sid
     if (code)
         return code;
     plan->class_bits = memory;
-    memset(plan->class_bits, 0xff, scene->texture_count);
+    if (scene->texture_count > 0) /* memset takes no NULL, not even for no bytes */
+        memset(plan->class_bits, 0xff, scene->texture_count);
     for (uint32_t i = 0; i < scene->triangle_count; ++i) {
         int32_t texture = scene->materials[scene->material_of[i]].base_color_texture;
         if (texture < 0 || plan->class_bits[texture] != 0xff)

@@ -25,8 +25,9 @@ typedef struct gw_import_options {
  * and leaves nothing behind. */
 gw_code gw_import(const char *path, const gw_import_options *options, gw_scene **out, gw_error *error);
 
-/* The child's main(): reads the model named by its arguments and writes a scene stream to standard output.
- * Returns the exit code. `gazewall import-child FILE`. */
+/* The child's main(), `gazewall import-child FILE SECONDS BYTES`: argv[0] is the verb. Puts itself under
+ * limits of processor time and address space, reads the model and writes it to standard output. Returns the
+ * exit code. */
 int gw_import_child(int argc, char **argv);
 
 #endif

@@ -115,6 +115,7 @@ static gw_code ply_read_header(lines *text, ply_header *header, gw_error *error)
     const char *line;
     char copy[256];
     size_t length;
+    const int ends = memmem(text->at, (size_t)(text->end - text->at), "\rend_header\r", 12) != NULL;
     for (int number = 0; next_line(text, &line, &length) && number < 4096; number++) {
         if (length == 10 && memcmp(line, "end_header", 10) == 0)
             return GW_OK;
@@ -123,7 +124,10 @@ static gw_code ply_read_header(lines *text, ply_header *header, gw_error *error)
         if (code != GW_OK)
             return code;
     }
-    return gw_fail(error, GW_BAD_INPUT, "the PLY file is cut inside its header: 'end_header' is missing");
+    return gw_fail(
+        error, GW_BAD_INPUT, "%s",
+        ends ? "the lines of the PLY header must end in a line feed, these end in a carriage return alone"
+             : "the PLY file is cut inside its header: 'end_header' is missing");
 }
 
 static uint64_t ply_list_length(const uint8_t *data, int bytes, int big_endian) {

@@ -6,6 +6,7 @@
 #include "build/demo_scene.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -166,6 +167,18 @@ cleanup:
     return code;
 }
 
+/* In a scene of several models a note has to say which one it is about. */
+static gw_code name_notes(gw_scene *scene, const char *file, gw_error *error) {
+    for (size_t i = 0; i < scene->note_count; i++) {
+        char *named = NULL;
+        if (asprintf(&named, "%s: %s", gw_path_name(file), scene->notes[i]) < 0)
+            return gw_fail(error, GW_MACHINE, "out of memory for a note on the scene");
+        free(scene->notes[i]);
+        scene->notes[i] = named;
+    }
+    return GW_OK;
+}
+
 static gw_code load_file(const gw_yaml_node *node, const char *name, const char *path,
                          const gw_import_options *options, gw_source_model **out, gw_error *error) {
     if (gw_path_has_extension(name, ".yaml") || gw_path_has_extension(name, ".yml"))
@@ -176,7 +189,9 @@ static gw_code load_file(const gw_yaml_node *node, const char *name, const char 
                         : gw_fail(error, GW_MACHINE, "out of memory for a file name");
     if (code != GW_OK)
         gw_context(error, "%s:%d", path, gw_yaml_node_line(node));
-    else if (!gw_yaml_find(node, "unit") && !gw_yaml_find(node, "up"))
+    else
+        code = name_notes((*out)->scene, file, error);
+    if (code == GW_OK && !gw_yaml_find(node, "unit") && !gw_yaml_find(node, "up"))
         code = gw_import_note_units((*out)->scene, file, error);
     free(file);
     free(folder);

@@ -74,8 +74,8 @@ static int ply_type_bytes(const char *name) {
 
 static gw_code ply_property_line(ply_header *header, const char *line, gw_error *error) {
     char first[16], second[16], third[16];
-    ply_element *element = &header->elements[header->element_count - 1];
-    if (header->element_count == 0 || element->property_count == PLY_PROPERTIES)
+    ply_element *element = header->element_count > 0 ? &header->elements[header->element_count - 1] : NULL;
+    if (!element || element->property_count == PLY_PROPERTIES)
         return gw_fail(error, GW_BAD_INPUT,
                        "the PLY header has a property in a wrong place or more than %d of them",
                        PLY_PROPERTIES);

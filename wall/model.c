@@ -1,10 +1,16 @@
 #include "wall/model.h"
 
 #include "base/clock.h"
+#include "base/file.h"
 #include "build/import.h"
+#include "build/octree_cache.h"
+#include "wall/interrupt.h"
 
 #include <inttypes.h>
 #include <stddef.h>
+#include <stdlib.h>
+
+static const uint64_t cache_limit = UINT64_C(4) << 30;
 
 gw_code gw_model_open_device(gw_model *model, const gw_draw_options *options, const gw_log *log,
                              gw_error *error) {
@@ -25,14 +31,51 @@ gw_code gw_model_import(gw_model *model, const gw_draw_options *options, const g
     return code;
 }
 
-gw_code gw_model_build(gw_model *model, const gw_draw_options *options, const gw_log *log, gw_error *error) {
+static gw_code build(gw_model *model, const gw_draw_options *options, const gw_log *log, gw_error *error) {
     int64_t begin = gw_now_ns();
-    gw_octree_options build = {.settings = &options->settings, .log = log};
-    gw_code code = gw_octree_build(model->device, model->scene, &build, &model->octree, error);
+    gw_octree_options how = {.settings = &options->settings, .log = log};
+    gw_code code = gw_octree_build(model->device, model->scene, &how, &model->octree, error);
     model->build_ms = (double)(gw_now_ns() - begin) * 1e-6;
     if (!code)
         gw_log_write(log, GW_LOG_INFO, "octree: depth %" PRIu32 ", %" PRIu32 " nodes, built in %.1f s",
                      model->octree->depth, model->octree->node_count, model->build_ms * 1e-3);
+    return code;
+}
+
+/* 1 when the octree came from the cache. */
+static int read_cache(gw_model *model, const char *path, gw_hash key, const gw_log *log) {
+    gw_error refused = {0};
+    if (!gw_file_exists(path))
+        return 0;
+    int64_t begin = gw_now_ns();
+    if (gw_octree_cache_load(path, key, model->scene, &model->octree, &refused)) {
+        gw_log_write(log, GW_LOG_WARNING, "%s; the octree is built again", refused.text);
+        return 0;
+    }
+    model->from_cache = 1;
+    model->build_ms = (double)(gw_now_ns() - begin) * 1e-6;
+    gw_log_write(log, GW_LOG_INFO, "octree: depth %" PRIu32 ", %" PRIu32 " nodes, read from %s in %.1f s",
+                 model->octree->depth, model->octree->node_count, path, model->build_ms * 1e-3);
+    return 1;
+}
+
+gw_code gw_model_build(gw_model *model, const gw_draw_options *options, const gw_log *log, gw_error *error) {
+    if (!options->cache)
+        return build(model, options, log, error);
+    gw_hash key = gw_octree_cache_key(model->scene, &options->settings);
+    char *path = gw_octree_cache_path(options->cache, key);
+    if (!path)
+        return gw_fail(error, GW_MACHINE, "memory is out while naming a cache file");
+    gw_code code = GW_OK;
+    if (!read_cache(model, path, key, log)) {
+        code = build(model, options, log, error);
+        gw_error unwritten = {0};
+        gw_interrupt_hold();
+        if (!code && gw_octree_cache_store(path, key, model->octree, cache_limit, &unwritten))
+            gw_log_write(log, GW_LOG_WARNING, "the octree is not kept: %s", unwritten.text);
+        gw_interrupt_release();
+    }
+    free(path);
     return code;
 }
 

@@ -15,6 +15,7 @@ typedef struct gw_model {
     gw_scene *scene;
     gw_octree *octree;
     double import_ms, build_ms; /* wall clock */
+    int from_cache;             /* the octree was read, not built */
 } gw_model;
 
 /* Opens the device only. */
@@ -22,7 +23,8 @@ gw_code gw_model_open_device(gw_model *model, const gw_draw_options *options, co
                              gw_error *error);
 /* Imports the scene only: needs no device. */
 gw_code gw_model_import(gw_model *model, const gw_draw_options *options, const gw_log *log, gw_error *error);
-/* Builds the octree of the imported scene on the open device. */
+/* Builds the octree of the imported scene on the open device, or reads it from the cache if there is one. A
+ * cache that cannot be read or written is a warning: the octree is built all the same. */
 gw_code gw_model_build(gw_model *model, const gw_draw_options *options, const gw_log *log, gw_error *error);
 /* Import first, because a wrong path is the commonest mistake and should be told at once; then device and
  * octree. */

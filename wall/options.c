@@ -204,6 +204,7 @@ enum {
     KEY_REPORT,
     KEY_SHADERS,
     KEY_COUNT,
+    KEY_CACHE,
     KEY_QUIET,
     KEY_LOG
 };
@@ -225,6 +226,8 @@ static const struct argp_option draw_options[] = {
      10},
     {"debug", KEY_DEBUG, "VIEW", 0,
      "levels (red: triangles, green to blue: voxel levels), steps, normals, gaze, or none; default none", 10},
+    {"cache", KEY_CACHE, "FOLDER", 0,
+     "keep built octrees there, at most 4 GiB, and read them back in later runs; default: none is kept", 10},
     {NULL, 0, NULL, 0, "What is told:", 11},
     {"report", KEY_REPORT, "FILE", 0, "write the report there, as JSON", 11},
     {"count", KEY_COUNT, NULL, 0,
@@ -286,6 +289,9 @@ static error_t parse_draw(int key, char *argument, struct argp_state *state) {
         break;
     case KEY_SHADERS:
         options->shaders = argument;
+        break;
+    case KEY_CACHE:
+        options->cache = argument;
         break;
     case KEY_COUNT:
         options->count = 1;

@@ -18,6 +18,7 @@ typedef struct gw_draw_options {
     const char *scene;   /* NULL: the embedded demo scene */
     const char *report;  /* file for the JSON report, or NULL */
     const char *shaders; /* folder of shaders instead of the embedded ones, or NULL */
+    const char *cache;   /* folder where octrees are kept from run to run, or NULL */
     gw_settings settings;
     uint32_t seed;
     double time; /* s */

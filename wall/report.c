@@ -142,7 +142,7 @@ static json_t *statistics_of(const gw_octree_statistics *s) {
 }
 
 void gw_report_octree(json_t *report, const gw_octree *octree, const gw_scene *scene,
-                      const gw_gl_limits *limits, double build_ms) {
+                      const gw_gl_limits *limits, double build_ms, int from_cache) {
     uint64_t triangle_bytes =
         scene->triangle_count * (uint64_t)(sizeof(gw_gpu_triangle) + sizeof(gw_gpu_face)) +
         scene->vertex_count * (uint64_t)sizeof(gw_gpu_vertex);
@@ -156,9 +156,9 @@ void gw_report_octree(json_t *report, const gw_octree *octree, const gw_scene *s
         (double)octree->reference_count / (double)scene->triangle_count, "build_ms", build_ms, "statistics",
         statistics_of(&octree->statistics));
     json_object_set_new(report, "octree", object);
-    json_object_set_new(
-        report, "build",
-        json_pack("{s:s, s:o}", "partition", "rank 0", "driver", text_or_null(limits->version)));
+    json_object_set_new(report, "build",
+                        json_pack("{s:s, s:o}", "partition", from_cache ? "cache" : "rank 0", "driver",
+                                  text_or_null(limits->version)));
 }
 
 void gw_report_settings(json_t *report, const gw_settings *settings) {

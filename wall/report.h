@@ -25,7 +25,7 @@ void gw_report_device(json_t *report, const gw_gl_limits *limits);
 gw_code gw_report_floats(json_t *report, gw_gl *device, gw_error *error);
 void gw_report_scene(json_t *report, const gw_scene *scene, double import_ms);
 void gw_report_octree(json_t *report, const gw_octree *octree, const gw_scene *scene,
-                      const gw_gl_limits *limits, double build_ms);
+                      const gw_gl_limits *limits, double build_ms, int from_cache);
 void gw_report_settings(json_t *report, const gw_settings *settings);
 void gw_report_counters(json_t *report, const gw_counters *counters);
 void gw_report_track(json_t *report, const gw_track *track);

@@ -126,7 +126,7 @@ static gw_code prepare(gw_bench *bench, int argc, char **argv, gw_error *error) 
     const gw_gl_limits *limits = gw_gl_limits_of(model->device);
     gw_report_device(bench->report, limits);
     gw_report_scene(bench->report, model->scene, model->import_ms);
-    gw_report_octree(bench->report, model->octree, model->scene, limits, model->build_ms);
+    gw_report_octree(bench->report, model->octree, model->scene, limits, model->build_ms, model->from_cache);
     gw_report_settings(bench->report, &bench->draw.settings);
     return GW_OK;
 }

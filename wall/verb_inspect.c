@@ -222,7 +222,7 @@ static gw_code inspect_scene(gw_model *model, const inspect_options *o, const gw
     const gw_gl_limits *limits = gw_gl_limits_of(model->device);
     gw_report_device(report, limits);
     gw_report_scene(report, model->scene, model->import_ms);
-    gw_report_octree(report, model->octree, model->scene, limits, model->build_ms);
+    gw_report_octree(report, model->octree, model->scene, limits, model->build_ms, model->from_cache);
     gw_report_settings(report, &o->draw.settings);
     if (o->draw.quiet)
         return GW_OK;

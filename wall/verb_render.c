@@ -321,7 +321,8 @@ static gw_code fill_report(render *r, gw_error *error) {
     const int64_t never_lost[GW_MAXIMUM_TILES] = {-1};
     gw_report_device(r->report, limits);
     gw_report_scene(r->report, r->model.scene, r->model.import_ms);
-    gw_report_octree(r->report, r->model.octree, r->model.scene, limits, r->model.build_ms);
+    gw_report_octree(r->report, r->model.octree, r->model.scene, limits, r->model.build_ms,
+                     r->model.from_cache);
     gw_report_settings(r->report, &r->options.draw.settings);
     gw_report_tiles(r->report, &r->view.layout, never_lost);
     gw_report_frames(r->report, &r->milliseconds, 1);

@@ -87,6 +87,22 @@ if [ -e /dev/full ]; then
     has "it says so" "$(cat "$folder/full")" "standard output could not be written"
 fi
 
+# --- the cache of octrees
+cached() {
+    "$program" render "${scene[@]}" --size 32x32 --cache "$folder/cache" --report "$folder/cached.json" >/dev/null 2>"$folder/cached.log"
+    json "$folder/cached.json" '["build"]["partition"] + " " + d["image"]["hash"]'
+}
+first=$(cached)
+has "the first run builds" "$first" "rank 0 "
+is "the second reads, with the same pixels" "$(cached)" "cache ${first#rank 0 }"
+octree=$(find "$folder/cache" -name '*.gwo')
+printf 'x' | dd of="$octree" bs=1 seek=300 conv=notrunc 2>/dev/null
+scene=("${scene[@]:0:4}")
+is "a damaged one is built again" "$(cached)" "$first"
+has "it says so" "$(cat "$folder/cached.log")" "the octree is built again"
+is "and mended" "$(cached)" "cache ${first#rank 0 }"
+scene+=(--quiet)
+
 # --- sites
 site() { # NAME PART-OF-MESSAGE, the file on standard input
     local file=$folder/site-$number.yaml

@@ -53,7 +53,7 @@ static void sections_are_filled(void **state) {
 
     gw_report_device(report, &limits);
     gw_report_scene(report, &scene, 12.5);
-    gw_report_octree(report, &octree, &scene, &limits, 3.5);
+    gw_report_octree(report, &octree, &scene, &limits, 3.5, 0);
     gw_report_settings(report, &settings);
     gw_report_counters(report, &counters);
     gw_report_track(report, &track);

@@ -57,7 +57,7 @@ testmodels/PLY/Wuson.ply                                             3732 0 0
 testmodels/PLY/cube_binary.ply                                       12 0 0
 testmodels/STL/Spider_binary.stl                                     1312 56 0
 testmodels/OFF/Wuson.off                                             3732 0 0
-testmodels/OBJ/spider.obj                                            1312 56 5
+testmodels/OBJ/spider.obj                                            1312 56 4
 draco/KhronosSampleModels/DragonAttenuation/glTF_Binary/DragonAttenuation.glb  134995 0 1
 draco/bun_zipper.ply                                                 69451 0 0
 furniture/Scopia/scopia/japaneseMaple/japaneseMaple.obj              198396 0 1

@@ -8,8 +8,10 @@ float transmittance;  // in front of the current group of cells
 float group_opacity;  // of the group so far
 float group_end;      // t at which its last cell ends
 
-// Less than this may remain of a ray before it counts as stopped; the rest is spread over what was met.
-#define OPAQUE_REMAINDER (1.0 / 512.0)
+// Less than this may remain of a ray before it counts as stopped, and less than that may a voxel count before it is not
+// worth shading; either way the colour of what was shaded stands for the rest.
+#define OPAQUE_REMAINDER (1.0 / 256.0)
+#define LEAST_WEIGHT (1.0 / 1024.0)
 
 float remaining() {
     return transmittance * (1.0 - group_opacity);

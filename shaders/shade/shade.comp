@@ -56,10 +56,11 @@ float composite_provisional(uint slot, float opacity, inout float left) {
 }
 #endif
 
-vec3 finish(vec3 sum, float left) {
-    if (left >= OPAQUE_REMAINDER)
-        return sum + left * frame.background.rgb;
-    return sum / (1.0 - left);
+// sum: radiance and weight of all that was shaded; left: what of the ray met nothing.
+vec3 finish(vec4 sum, float left) {
+    float behind = left >= OPAQUE_REMAINDER ? left : 0.0;
+    precise vec3 met = sum.w > 0.0 ? sum.rgb * ((1.0 - behind) / sum.w) : (1.0 - behind) * frame.background.rgb;
+    return met + behind * frame.background.rgb;
 }
 
 uint encode(vec3 color) {
@@ -84,9 +85,9 @@ void main() {
     uint count = GW_STATUS_COUNT(status.x);
     float left = uintBitsToFloat(status.y);
     bool suspended = (status.x & GW_STATUS_SUSPENDED) != 0u;
-    precise vec3 sum = vec3(0.0);
+    precise vec4 sum = vec4(0.0);
 #ifdef RESUME
-    sum = sums[slot].rgb;
+    sum = sums[slot];
 #endif
     for (uint i = 0u; i < count; ++i) {
         uint word = (slot * FRAGMENTS + i) * GW_FRAGMENT_WORDS;
@@ -109,10 +110,10 @@ void main() {
         }
 #endif
         precise vec3 lit = light_surface(surface, view);
-        sum += weight * debug_fragment(lit, surface, id);
+        sum += weight * vec4(debug_fragment(lit, surface, id), 1.0);
     }
     if (suspended) {
-        sums[slot] = vec4(sum, 0.0);
+        sums[slot] = sum;
         next_queue[atomicAdd(totals[2], 1u)] = slot;
         return;
     }

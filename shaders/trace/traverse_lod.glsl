@@ -20,9 +20,9 @@ bool provisional; // the last fragment awaits its alpha
 
 #define NEVER_FORCED 99
 
-// An iteration of the outer loop emits two fragments at most: a voxel and a triangle.
+// An iteration of the outer loop emits one fragment at most.
 bool fragments_full() {
-    return fragment_count + 2u > FRAGMENTS;
+    return fragment_count >= FRAGMENTS;
 }
 
 void emit(uint id, float t, float weight) {
@@ -40,6 +40,7 @@ vec3 place_in_cell(float t, int s) {
     return place;
 }
 
+// Composites the voxel of the cell of scale s in which the ray stands.
 void emit_voxel(uint index, float share, int s, float leave) {
     uvec3 payload = PAYLOAD(index);
     vec3 normal = payload_normal(payload);
@@ -49,26 +50,30 @@ void emit_voxel(uint index, float share, int s, float leave) {
     float weight = composite(opacity);
     group_end = max(group_end, leave);
     COUNT_VOXEL();
-    if (weight > 0.0)
+    if (weight > LEAST_WEIGHT)
         emit(index | GW_FRAGMENT_VOXEL, cell_entry, weight);
+}
+
+void forget_hit() {
+    hit_t = ray_maximum;
+    hit_triangle = GW_NO_TRIANGLE;
 }
 
 // The nearest hit is confirmed: it becomes a fragment, and what remains of the ray looks for the next one behind it.
 void emit_hit() {
     begin_group_if_apart(hit_t);
+    float weight = leaf_share;
 #ifdef ALPHA
     provisional = (hit_flags & GW_TRIANGLE_ALPHA) != 0u;
-    float weight = leaf_share;
     if (!provisional)
         weight = composite(leaf_share);
 #else
-    float weight = composite(leaf_share);
+    weight = composite(leaf_share);
 #endif
     emit(hit_triangle, hit_t, weight);
     floor_t = hit_t;
     floor_triangle = hit_triangle;
-    hit_t = ray_maximum;
-    hit_triangle = GW_NO_TRIANGLE;
+    forget_hit();
 }
 
 void step_on(int s) {
@@ -77,77 +82,111 @@ void step_on(int s) {
     force_scale = NEVER_FORCED;
 }
 
+// What the walk stops at.
+#define EVENT_NONE 0u  // left the root, or the budget is used up
+#define EVENT_VOXEL 1u // a cell that is wholly or partly shown as a voxel
+#define EVENT_HIT 2u   // the nearest hit lies in the cell ahead or before it
+uint event;
+uvec2 met_node; // the voxel's
+uint met_index;
+
+// Descends and advances to the next occupied cell that is not walked into, or until the nearest hit is due.
+bool find_cell() {
+    bool met = false;
+    while (in_root && !met && (hit_t > cell_entry || leaf_again) && iterations < LOOP_BUDGET) {
+        ++iterations;
+        COUNT_STEP();
+        int child_scale = scale - 1;
+        bool valid;
+        met_index = child_at(node_word, octant_at(child_scale), valid);
+        COUNT_NODE(valid);
+        if (valid) {
+            met_node = NODE(met_index);
+            bool coarse = lod_slope * cell_entry >= 0.5 * float(1 << child_scale) && child_scale < force_scale;
+            met = coarse || scale == voxel_scale || GW_NODE_KIND(met_node.y) != GW_KIND_INNER;
+            if (!met) {
+                scale = child_scale;
+                node_word = node_word_of(met_index, met_node);
+                stack_push(child_scale, node_word);
+            }
+        } else {
+            step_on(child_scale);
+        }
+    }
+    return met;
+}
+
+// Tests the leaf's triangles; leaves the cell unless a hit in it is confirmed or the list is unfinished.
+void walk_leaf(float share) {
+    int leaf_scale = scale - 1;
+    leaf_share = share;
+    list_cursor = list_cursor == 0u ? met_node.x : list_cursor;
+    test_leaf(met_node);
+    list_cursor = list_ended ? 0u : list_cursor;
+    bool confirmed = list_ended && hit_t <= exit_of(leaf_scale);
+    event = confirmed ? EVENT_HIT : event;
+    leaf_again = confirmed || !list_ended;
+    if (!leaf_again)
+        step_on(leaf_scale);
+}
+
+// Walks through cells that show triangles only, until something is to be composited.
+void walk() {
+    event = EVENT_NONE;
+    while (event == EVENT_NONE && in_root && iterations < LOOP_BUDGET) {
+        ++iterations;
+        bool met = find_cell();
+        bool leaf = GW_NODE_KIND(met_node.y) != GW_KIND_INNER && scale != voxel_scale;
+        float share = leaf ? triangles_share(lod_slope * cell_entry, float(1 << (scale - 1))) : 0.0;
+        if (met && (leaf_again || share == 1.0)) {
+            walk_leaf(share);
+        } else {
+            event = met ? EVENT_VOXEL : event;
+            event = !met && !leaf_again && hit_t <= cell_entry ? EVENT_HIT : event;
+        }
+    }
+    // A hit beyond the last cell's exit, by rounding.
+    event = !in_root && hit_triangle != GW_NO_TRIANGLE ? EVENT_HIT : event;
+}
+
+// Composites the voxel of the met cell with its share, then walks into the cell (voxel mode), stays for the triangles of
+// a blended leaf, or leaves.
+void show_voxel() {
+    int child_scale = scale - 1;
+    float side = float(1 << child_scale);
+    float footprint = lod_slope * cell_entry;
+    bool leaf = GW_NODE_KIND(met_node.y) != GW_KIND_INNER;
+    bool child_of_voxel = scale == voxel_scale;
+    float triangles = leaf && !child_of_voxel ? triangles_share(footprint, side) : 0.0;
+    float children = leaf || child_of_voxel ? 0.0 : children_share(footprint, side);
+    float share = child_of_voxel ? child_share : 1.0 - max(triangles, children);
+    float leave = exit_of(child_scale);
+    if (share > 0.0)
+        emit_voxel(met_index, share, child_scale, leave);
+    if (triangles == 0.0 && hit_t <= leave)
+        forget_hit(); // it is part of the voxel
+    leaf_again = triangles > 0.0;
+    if (children > 0.0) {
+        voxel_scale = child_scale;
+        child_share = children;
+        scale = child_scale;
+        node_word = node_word_of(met_index, met_node);
+        stack_push(child_scale, node_word);
+    } else if (!leaf_again) {
+        step_on(child_scale);
+    }
+}
+
 void traverse() {
     bool suspend = false;
     provisional = false;
     while (walking && !suspend) {
         ++iterations;
-        uvec2 node = uvec2(0u);
-        uint index = 0u;
-        bool met = false;
-        while (in_root && !met && (hit_t > cell_entry || leaf_again) && iterations < LOOP_BUDGET) {
-            ++iterations;
-            COUNT_STEP();
-            int child_scale = scale - 1;
-            bool valid;
-            index = child_at(node_word, octant_at(child_scale), valid);
-            COUNT_NODE(valid);
-            if (valid) {
-                node = NODE(index);
-                bool coarse = lod_slope * cell_entry >= 0.5 * float(1 << child_scale) && child_scale < force_scale;
-                met = coarse || scale == voxel_scale || GW_NODE_KIND(node.y) != GW_KIND_INNER;
-                if (!met) {
-                    scale = child_scale;
-                    node_word = node_word_of(index, node);
-                    stack_push(child_scale, node_word);
-                }
-            } else {
-                step_on(child_scale);
-            }
-        }
-
-        int child_scale = scale - 1;
-        bool leave_cell = false;
-        if (met) {
-            float side = float(1 << child_scale);
-            precise float footprint = lod_slope * cell_entry;
-            bool leaf = GW_NODE_KIND(node.y) != GW_KIND_INNER;
-            bool child_of_voxel = scale == voxel_scale;
-            float triangles = leaf && !child_of_voxel ? triangles_share(footprint, side) : 0.0;
-            float children = leaf || child_of_voxel ? 0.0 : children_share(footprint, side);
-            float share = child_of_voxel ? child_share : 1.0 - max(triangles, children);
-            float leave = exit_of(child_scale);
-            if (share > 0.0 && !leaf_again)
-                emit_voxel(index, share, child_scale, leave);
-            leaf_again = false;
-            leave_cell = true;
-            if (children > 0.0) {
-                voxel_scale = child_scale;
-                child_share = children;
-                scale = child_scale;
-                node_word = node_word_of(index, node);
-                stack_push(child_scale, node_word);
-                leave_cell = false;
-            }
-            if (triangles > 0.0) {
-                leaf_share = triangles;
-                list_cursor = list_cursor == 0u ? node.x : list_cursor;
-                test_leaf(node);
-                list_cursor = list_ended ? 0u : list_cursor;
-                // A confirmed hit leaves the ray in this leaf, to look behind it; an unfinished list is gone on with.
-                leaf_again = !list_ended || hit_t <= leave;
-                leave_cell = !leaf_again;
-            } else if (hit_t <= leave) {
-                hit_t = ray_maximum; // part of the voxel
-                hit_triangle = GW_NO_TRIANGLE;
-            }
-            if (leaf_again && list_ended)
-                emit_hit();
-        } else if (!leaf_again && (hit_t <= cell_entry || !in_root) && hit_triangle != GW_NO_TRIANGLE) {
+        walk();
+        if (event == EVENT_VOXEL)
+            show_voxel();
+        if (event == EVENT_HIT)
             emit_hit();
-        }
-        if (leave_cell)
-            step_on(child_scale);
         walking = (in_root || hit_triangle != GW_NO_TRIANGLE) && remaining() >= OPAQUE_REMAINDER;
         suspend = walking && (provisional || fragments_full() || iterations >= LOOP_BUDGET);
     }

@@ -19,7 +19,7 @@ void main() {
         return;
     vec4 start = rays[slot * 2u], aim = rays[slot * 2u + 1u];
     vec3 size = abs(aim.xyz);
-    bool finite = all(lessThan(abs(start.xyz), vec3(1e30))) && all(lessThan(size, vec3(1e30)));
+    bool finite = all(lessThan(abs(start.xyz), vec3(1e30))) && all(lessThan(size, vec3(1e30))) && any(greaterThan(size, vec3(0.0)));
     set_ray(start.xyz, aim.xyz);
     hit_t = uintBitsToFloat(hits[slot].x);
     hit_triangle = hits[slot].y;

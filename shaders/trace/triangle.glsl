@@ -30,7 +30,9 @@ void set_ray(vec3 origin, vec3 direction) {
     shear_axis = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
     vec3 q = along_shear(direction);
     precise vec3 slopes = vec3(q.x / q.z, q.y / q.z, 1.0 / q.z);
-    shear = slopes;
+    // Smaller than a float mesh can tell from zero; if kept, their products would be subnormal and their signs noise.
+    const float least = 1.0 / 18446744073709551616.0;
+    shear = vec3(mix(slopes.xy, vec2(0.0), lessThan(abs(slopes.xy), vec2(least))), slopes.z);
 }
 
 #ifdef DOUBLE_EDGES
@@ -54,7 +56,9 @@ void test_vertices(vec3 va, vec3 vb, vec3 vc, uint id, uint flags) {
 #ifdef DOUBLE_EDGES
     edges = exact_edges(a2, b2, c2, edges);
 #endif
-    bool inside = !(any(lessThan(edges, vec3(0.0))) && any(greaterThan(edges, vec3(0.0)))) && any(notEqual(edges, vec3(0.0)));
+    // Written so that not-a-number is outside.
+    bool one_side = all(greaterThanEqual(edges, vec3(0.0))) || all(lessThanEqual(edges, vec3(0.0)));
+    bool inside = one_side && any(notEqual(edges, vec3(0.0)));
 
     precise vec3 ab = vb - va;
     precise vec3 ac = vc - va;

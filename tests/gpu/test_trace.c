@@ -1,0 +1,274 @@
+/* The octree's traversal against brute force with the same triangle test: the same bits on every ray, the
+ * hard ones too. Rays and meshes are random from a printed seed. */
+#include "tests/support/check.h"
+
+#include "tests/support/meshes.h"
+#include "tests/support/renders.h"
+
+#include <math.h>
+
+enum { RAYS = 12000, SEED = 20261122 };
+
+static gw_stage stage;
+static gw_renderer *renderer;
+static gw_ray *rays;
+static size_t ray_count;
+
+static float between(uint64_t *random, double low, double high) {
+    return (float)(low + (high - low) * gw_test_random(random));
+}
+
+/* A bumpy closed sphere, a finely cut floor, a wall exactly in a cell plane and small things. */
+static gw_scene *make_scene(void) {
+    gw_mesh mesh = {0};
+    gw_mesh_add_sphere(&mesh, (const double[]){0.1, 0.2, -0.1}, 0.4, 0.2, 40, 24);
+    gw_mesh_add_grid(&mesh, (const double[]){-0.9, -0.5, -0.9}, (const double[]){1.8, 0, 0},
+                     (const double[]){0, 0, 1.8}, 24, 24);
+    gw_mesh_add_grid(&mesh, (const double[]){-0.875, -0.5, -0.875}, (const double[]){0, 1.0, 0},
+                     (const double[]){0, 0, 1.75}, 2, 2);
+    uint64_t random = SEED;
+    for (int i = 0; i < 120; ++i) {
+        double centre[3];
+        for (int k = 0; k < 3; ++k)
+            centre[k] = 1.7 * (gw_test_random(&random) - 0.5);
+        gw_mesh_add_tetrahedron(&mesh, centre, 0.002 + 0.03 * gw_test_random(&random));
+    }
+    gw_scene *scene = NULL;
+    check_ok(gw_mesh_scene(&mesh, &scene, &error));
+    gw_mesh_finish(&mesh);
+    return scene;
+}
+
+static const float *vertex(uint32_t triangle, uint32_t corner) {
+    return stage.scene->positions + (size_t)stage.scene->triangles[triangle][corner] * 3;
+}
+
+static uint32_t any_triangle(uint64_t *random) {
+    return (uint32_t)(gw_test_random(random) * stage.scene->triangle_count);
+}
+
+/* Kinds of origin: anywhere inside, far outside, on corners of cells, on a triangle's vertex. */
+static void put_origin(gw_ray *ray, uint64_t *random, int kind) {
+    uint32_t triangle = any_triangle(random);
+    for (uint32_t k = 0; k < 3; ++k) {
+        float cell = between(random, -32.0, 32.0);
+        ray->origin[k] = kind == 0   ? between(random, -0.95, 0.95)
+                         : kind == 1 ? between(random, -4.0, 4.0)
+                         : kind == 2 ? floorf(cell) / 32.0f
+                                     : vertex(triangle, 1)[k];
+    }
+}
+
+/* Kinds of direction: any, at a vertex, at an edge's middle, along an axis, one zero component, diagonal,
+ * nearly zero components. */
+static void put_direction(gw_ray *ray, uint64_t *random, int kind) {
+    static const float tiny[] = {0.0f, -0.0f, 1e-38f, -1e-45f, 1e-20f, -1e-12f};
+    uint32_t triangle = any_triangle(random);
+    uint32_t axis = (uint32_t)(gw_test_random(random) * 3.0);
+    for (uint32_t k = 0; k < 3; ++k) {
+        float sign = gw_test_random(random) < 0.5 ? -1.0f : 1.0f;
+        float small = tiny[(int)(gw_test_random(random) * 6.0)];
+        float at_vertex = vertex(triangle, 0)[k] - ray->origin[k];
+        float at_edge = 0.5f * (vertex(triangle, 0)[k] + vertex(triangle, 1)[k]) - ray->origin[k];
+        float free_value = between(random, -1.0, 1.0);
+        float along = k == axis ? sign : small;
+        ray->direction[k] = kind == 0   ? free_value
+                            : kind == 1 ? at_vertex
+                            : kind == 2 ? at_edge
+                            : kind == 3 ? along
+                            : kind == 4 ? (k == axis ? small : free_value)
+                            : kind == 5 ? sign
+                                        : (k == axis ? at_vertex : small);
+    }
+}
+
+static void make_rays(void) {
+    rays = calloc(RAYS, sizeof *rays);
+    assert_non_null(rays);
+    uint64_t random = SEED + 1;
+    for (size_t i = 0; i < RAYS; ++i) {
+        put_origin(&rays[i], &random, (int)(i % 4));
+        put_direction(&rays[i], &random, (int)(i / 4 % 7));
+        rays[i].maximum = INFINITY;
+    }
+    ray_count = RAYS;
+}
+
+static int open_stage(void **state) {
+    (void)state;
+    print_message("seed %d\n", SEED);
+    check_ok(
+        gw_stage_open(&stage, make_scene(), NULL, (const char *const[]){"octree_depth=9", NULL}, &error));
+    check_ok(gw_renderer_create(stage.device, stage.scene, stage.octree, NULL, &renderer, &error));
+    make_rays();
+    return 0;
+}
+
+static int close_stage(void **state) {
+    (void)state;
+    free(rays);
+    gw_renderer_destroy(&renderer);
+    gw_stage_close(&stage);
+    return 0;
+}
+
+static gw_hit *trace(gw_renderer *by, gw_trace_method method, const gw_ray *of, size_t count,
+                     gw_counters *counters) {
+    gw_hit *hits = calloc(count, sizeof *hits);
+    assert_non_null(hits);
+    check_ok(gw_renderer_trace(by, method, of, count, hits, counters, &error));
+    return hits;
+}
+
+static void expect_same(const gw_hit *wanted, const gw_hit *got, size_t count) {
+    for (size_t i = 0; i < count; ++i)
+        if (memcmp(&wanted[i], &got[i], sizeof *got))
+            fail_msg("ray %zu: origin %a %a %a direction %a %a %a: triangle %u at %a, expected %u at %a", i,
+                     (double)rays[i].origin[0], (double)rays[i].origin[1], (double)rays[i].origin[2],
+                     (double)rays[i].direction[0], (double)rays[i].direction[1], (double)rays[i].direction[2],
+                     got[i].triangle, (double)got[i].t, wanted[i].triangle, (double)wanted[i].t);
+}
+
+static void the_octree_answers_as_brute_force(void **state) {
+    (void)state;
+    gw_counters counters = {0};
+    gw_hit *octree = trace(renderer, GW_TRACE_OCTREE, rays, ray_count, &counters);
+    gw_hit *brute = trace(renderer, GW_TRACE_BRUTE_FORCE, rays, ray_count, NULL);
+    expect_same(brute, octree, ray_count);
+    size_t hit = 0;
+    for (size_t i = 0; i < ray_count; ++i)
+        hit += octree[i].triangle != GW_NO_TRIANGLE;
+    print_message("%zu of %zu rays hit\n", hit, ray_count);
+    assert_true(hit > ray_count / 4 && hit < ray_count);
+    assert_int_equal(counters.step_cap_hits, 0);
+    assert_int_equal(counters.resumed, 0);
+    free(octree);
+    free(brute);
+}
+
+static void suspended_rays_go_on_as_if_nothing_had_happened(void **state) {
+    (void)state;
+    gw_renderer *short_winded = NULL;
+    gw_renderer_options options = {.loop_budget = 32, .count = 1};
+    check_ok(gw_renderer_create(stage.device, stage.scene, stage.octree, &options, &short_winded, &error));
+    gw_counters counters = {0};
+    gw_hit *whole = trace(renderer, GW_TRACE_OCTREE, rays, ray_count, NULL);
+    gw_hit *pieces = trace(short_winded, GW_TRACE_OCTREE, rays, ray_count, &counters);
+    expect_same(whole, pieces, ray_count);
+    assert_true(counters.resumed > ray_count / 10);
+    assert_int_equal(counters.step_cap_hits, 0);
+    assert_true(counters.steps > 0 && counters.node_loads > 0 && counters.triangle_tests > 0);
+    free(whole);
+    free(pieces);
+    gw_renderer_destroy(&short_winded);
+}
+
+static void wide_node_words_change_nothing(void **state) {
+    (void)state;
+    gw_renderer *wide = NULL;
+    gw_renderer_options options = {.force_features = UINT32_MAX};
+    check_ok(gw_renderer_create(stage.device, stage.scene, stage.octree, &options, &wide, &error));
+    gw_hit *narrow_hits = trace(renderer, GW_TRACE_OCTREE, rays, ray_count, NULL);
+    gw_hit *wide_hits = trace(wide, GW_TRACE_OCTREE, rays, ray_count, NULL);
+    expect_same(narrow_hits, wide_hits, ray_count);
+    free(narrow_hits);
+    free(wide_hits);
+    gw_renderer_destroy(&wide);
+}
+
+static void rays_that_are_not_numbers_miss(void **state) {
+    (void)state;
+    const float bad[] = {NAN, INFINITY, -INFINITY};
+    gw_ray odd[20];
+    size_t count = 0;
+    for (int b = 0; b < 3; ++b)
+        for (int k = 0; k < 6; ++k) {
+            gw_ray ray = {.origin = {0.1f, 0.2f, -0.1f}, .direction = {0.3f, 0.5f, 0.7f}, .maximum = 100.0f};
+            if (k < 3)
+                ray.origin[k] = bad[b];
+            else
+                ray.direction[k - 3] = bad[b];
+            odd[count++] = ray;
+        }
+    odd[count++] = (gw_ray){.origin = {0.1f, 0.2f, -0.1f}, .maximum = 100.0f};
+    odd[count++] =
+        (gw_ray){.origin = {0.1f, 0.2f, -0.1f}, .direction = {-0.0f, 0.0f, -0.0f}, .maximum = 100.0f};
+    for (int method = 0; method < 2; ++method) {
+        gw_hit *hits = trace(renderer, (gw_trace_method)method, odd, count, NULL);
+        for (size_t i = 0; i < count; ++i) {
+            assert_int_equal(hits[i].triangle, GW_NO_TRIANGLE);
+            assert_true(hits[i].t == 100.0f);
+        }
+        free(hits);
+    }
+}
+
+static void distances_scale_exactly_with_the_direction(void **state) {
+    (void)state;
+    static const int exponents[] = {-60, -1, 7, 60};
+    gw_hit *plain = trace(renderer, GW_TRACE_OCTREE, rays, 2000, NULL);
+    gw_ray *scaled = calloc(2000, sizeof *scaled);
+    assert_non_null(scaled);
+    for (size_t e = 0; e < 4; ++e) {
+        for (size_t i = 0; i < 2000; ++i) {
+            scaled[i] = rays[i];
+            for (int k = 0; k < 3; ++k) {
+                /* What would become subnormal is left out, it does not scale exactly. */
+                float d = fabsf(rays[i].direction[k]) < 1e-18f ? 0.0f : rays[i].direction[k];
+                scaled[i].direction[k] = ldexpf(d, exponents[e]);
+            }
+        }
+        gw_hit *hits = trace(renderer, GW_TRACE_OCTREE, scaled, 2000, NULL);
+        for (size_t i = 0; i < 2000; ++i) {
+            if (i / 4 % 7 == 3 || i / 4 % 7 == 4 || i / 4 % 7 == 6)
+                continue; /* directions that hold tiny components */
+            assert_int_equal(hits[i].triangle, plain[i].triangle);
+            if (hits[i].triangle != GW_NO_TRIANGLE)
+                assert_true(hits[i].t == ldexpf(plain[i].t, -exponents[e]));
+        }
+        free(hits);
+    }
+    free(scaled);
+    free(plain);
+}
+
+static void only_hits_between_minimum_and_maximum_count(void **state) {
+    (void)state;
+    gw_hit *first = trace(renderer, GW_TRACE_OCTREE, rays, 400, NULL);
+    gw_ray *behind = calloc(400, sizeof *behind);
+    assert_non_null(behind);
+    for (size_t i = 0; i < 400; ++i) {
+        behind[i] = rays[i];
+        behind[i].minimum = first[i].triangle == GW_NO_TRIANGLE ? 0.0f : first[i].t;
+    }
+    gw_hit *second = trace(renderer, GW_TRACE_OCTREE, behind, 400, NULL);
+    gw_hit *brute = trace(renderer, GW_TRACE_BRUTE_FORCE, behind, 400, NULL);
+    expect_same(brute, second, 400);
+    for (size_t i = 0; i < 400; ++i)
+        assert_true(second[i].triangle == GW_NO_TRIANGLE || second[i].t > first[i].t);
+    for (size_t i = 0; i < 400; ++i) {
+        behind[i].minimum = 0.0f;
+        behind[i].maximum = first[i].triangle == GW_NO_TRIANGLE ? 1.0f : 0.5f * first[i].t;
+    }
+    gw_hit *none = trace(renderer, GW_TRACE_OCTREE, behind, 400, NULL);
+    for (size_t i = 0; i < 400; ++i)
+        if (first[i].triangle != GW_NO_TRIANGLE)
+            assert_int_equal(none[i].triangle, GW_NO_TRIANGLE);
+    free(behind);
+    free(first);
+    free(second);
+    free(brute);
+    free(none);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_octree_answers_as_brute_force),
+        cmocka_unit_test(suspended_rays_go_on_as_if_nothing_had_happened),
+        cmocka_unit_test(wide_node_words_change_nothing),
+        cmocka_unit_test(rays_that_are_not_numbers_miss),
+        cmocka_unit_test(distances_scale_exactly_with_the_direction),
+        cmocka_unit_test(only_hits_between_minimum_and_maximum_count),
+    };
+    return cmocka_run_group_tests(tests, open_stage, close_stage);
+}

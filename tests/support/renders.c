@@ -1,0 +1,109 @@
+/* See renders.h. */
+#include "tests/support/renders.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+gw_code gw_stage_open(gw_stage *stage, gw_scene *scene, const char *shader_folder,
+                      const char *const *assignments, gw_error *error) {
+    memset(stage, 0, sizeof *stage);
+    stage->scene = scene;
+    gw_settings_init(&stage->settings);
+    gw_code code = GW_OK;
+    for (; !code && assignments && *assignments; ++assignments)
+        code = gw_settings_assign(&stage->settings, *assignments, error);
+    gw_gl_options gl = {.shader_folder = shader_folder};
+    if (!code)
+        code = gw_gl_create(&gl, &stage->device, error);
+    gw_octree_options options = {.settings = &stage->settings};
+    if (!code)
+        code = gw_octree_build(stage->device, scene, &options, &stage->octree, error);
+    if (code)
+        gw_stage_close(stage);
+    return code;
+}
+
+void gw_stage_close(gw_stage *stage) {
+    gw_octree_destroy(&stage->octree);
+    gw_scene_destroy(&stage->scene);
+    gw_gl_destroy(&stage->device);
+}
+
+static void normalise(double v[3]) {
+    double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    for (int i = 0; i < 3; ++i)
+        v[i] /= length;
+}
+
+static void cross(const double a[3], const double b[3], double out[3]) {
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+void gw_camera_look(gw_camera *camera, const gw_stage *stage, const double eye[3], const double target[3],
+                    double fov_degrees, uint32_t side) {
+    memset(camera, 0, sizeof *camera);
+    camera->side = side;
+    camera->placement.scale = 1000.0;
+    for (int i = 0; i < 3; ++i)
+        camera->placement.rotation[i][i] = 1.0;
+    double forward[3], right[3], up[3];
+    for (int i = 0; i < 3; ++i)
+        forward[i] = target[i] - eye[i];
+    normalise(forward);
+    double helper[3] = {0.0, fabs(forward[1]) < 0.9 ? 1.0 : 0.0, fabs(forward[1]) < 0.9 ? 0.0 : 1.0};
+    cross(forward, helper, right);
+    normalise(right);
+    cross(right, forward, up);
+    double half = tan(fov_degrees / 360.0 * 3.14159265358979) * 1000.0, pitch = 2.0 * half / side;
+    for (int i = 0; i < 3; ++i) {
+        camera->state.eye[i] = eye[i] * 1000.0;
+        camera->plane.corner[i] = eye[i] * 1000.0 + forward[i] * 1000.0 - right[i] * half + up[i] * half;
+        camera->plane.step_x[i] = right[i] * pitch;
+        camera->plane.step_y[i] = -up[i] * pitch;
+    }
+    gw_frame_state_apply(&camera->state, &stage->settings);
+}
+
+void gw_camera_gaze(gw_camera *camera, double pixel_x, double pixel_y, double half_degrees) {
+    gw_gaze *gaze = &camera->state.gazes[0];
+    double direction[3];
+    for (int i = 0; i < 3; ++i) {
+        direction[i] = camera->plane.corner[i] + pixel_x * camera->plane.step_x[i] +
+                       pixel_y * camera->plane.step_y[i] - camera->state.eye[i];
+        gaze->eye[i] = (float)camera->state.eye[i];
+        gaze->up[i] = (float)-camera->plane.step_y[i];
+    }
+    normalise(direction);
+    for (int i = 0; i < 3; ++i)
+        gaze->direction[i] = (float)direction[i];
+    gaze->half_width = gaze->half_height = (float)half_degrees;
+    gaze->confidence = 1.0f;
+    camera->state.gaze_count = 1;
+}
+
+gw_code gw_camera_picture(const gw_camera *camera, gw_renderer *renderer, uint8_t *rgba,
+                          gw_counters *counters, gw_error *error) {
+    gw_rectangle all = {0, 0, camera->side, camera->side};
+    return gw_renderer_frame(renderer, &camera->placement, &camera->plane, &all, &camera->state, rgba,
+                             counters, error);
+}
+
+double gw_mean_difference(const uint8_t *a, const uint8_t *b, size_t pixels) {
+    double sum = 0.0;
+    for (size_t i = 0; i < pixels * 4; ++i)
+        sum += abs(a[i] - b[i]);
+    return sum / (double)(pixels * 3);
+}
+
+double gw_mean_linear(const uint8_t *rgba, size_t pixels) {
+    double sum = 0.0;
+    for (size_t i = 0; i < pixels; ++i)
+        for (int c = 0; c < 3; ++c) {
+            double v = rgba[i * 4 + (size_t)c] / 255.0;
+            sum += v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
+        }
+    return sum / (double)(pixels * 3);
+}

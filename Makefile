@@ -129,7 +129,7 @@ setup:
 
 demo: all
 	$(quiet)mkdir -p $(OUT)/demo
-	$(quiet)$(PROGRAM) sim --tiles 2x2 --size 1280x720 --frames 8 --out $(OUT)/demo --report $(OUT)/demo/report.json
+	$(quiet)$(PROGRAM) sim --tiles 2x2 --bezel 12 --size 1280x720 --frames 8 --out $(OUT)/demo --report $(OUT)/demo/report.json
 
 tests: $(ARCHIVE) $(TEST_PROGRAMS)
 

@@ -42,6 +42,24 @@ typedef struct peers {
     double our_ms[1000], their_ms[1000];
 } peers;
 
+/* The ray from the eye (rebased) through the centre of a pixel of the plane. */
+static void aim_ray(gw_ray *ray, const gw_plane *plane, const gw_similarity *placement, const gw_scene *scene,
+                    const double eye[3], const uint32_t pixel[2]) {
+    double point[3], target[3], length = 0;
+    for (int k = 0; k < 3; k++)
+        point[k] =
+            plane->corner[k] + (pixel[0] + 0.5) * plane->step_x[k] + (pixel[1] + 0.5) * plane->step_y[k];
+    gw_wall_to_rebased(placement, scene, point, target);
+    for (int k = 0; k < 3; k++)
+        length += (target[k] - eye[k]) * (target[k] - eye[k]);
+    length = sqrt(length);
+    for (int k = 0; k < 3; k++) {
+        ray->origin[k] = (float)eye[k];
+        ray->direction[k] = (float)((target[k] - eye[k]) / length);
+    }
+    ray->maximum = 1e30f;
+}
+
 /* The rays of the default wall's pixels, in rebased space, every one with the bits that both programs get. */
 static gw_code make_rays(peers *p, const uint32_t size[2], gw_error *error) {
     gw_wall_options wall;
@@ -63,24 +81,21 @@ static gw_code make_rays(peers *p, const uint32_t size[2], gw_error *error) {
     const gw_plane *plane = &layout.tiles[0].plane;
     double eye[3];
     gw_wall_to_rebased(&placement, scene, layout.eye, eye);
-    for (size_t i = 0; i < p->count; i++) {
-        double x = (double)(i % size[0]) + 0.5, y = (double)(i / size[0]) + 0.5, point[3], target[3],
-               length = 0;
-        for (int k = 0; k < 3; k++)
-            point[k] = plane->corner[k] + x * plane->step_x[k] + y * plane->step_y[k];
-        gw_wall_to_rebased(&placement, scene, point, target);
-        for (int k = 0; k < 3; k++)
-            length += (target[k] - eye[k]) * (target[k] - eye[k]);
-        length = sqrt(length);
-        for (int k = 0; k < 3; k++) {
-            p->rays[i].origin[k] = (float)eye[k];
-            p->rays[i].direction[k] = (float)((target[k] - eye[k]) / length);
+    size_t i = 0;
+    for (size_t block = 0; i < p->count; block++) {
+        uint32_t pixel[2];
+        /* Blocks of 8x8 pixels, rows inside, as the renderer sends them: neighbours in space stay neighbours.
+         */
+        uint32_t columns = (size[0] + 7) / 8;
+        for (uint32_t within = 0; within < 64; within++) {
+            pixel[0] = (uint32_t)(block % columns) * 8 + within % 8;
+            pixel[1] = (uint32_t)(block / columns) * 8 + within / 8;
+            if (pixel[0] < size[0] && pixel[1] < size[1])
+                aim_ray(&p->rays[i++], plane, &placement, scene, eye, pixel);
         }
-        p->rays[i].maximum = 1e30f;
     }
     return GW_OK;
 }
-
 static gw_code trace_both(peers *p, uint32_t repeats, gw_error *error) {
     gw_code code = gw_allocate((void **)&p->ours, p->count, sizeof *p->ours, "hits", error);
     if (!code)

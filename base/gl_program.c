@@ -21,11 +21,20 @@ void gw_gl_programs_finish(gw_gl *device) {
     device->program_count = device->program_capacity = 0;
 }
 
-static gw_code fail_build(const gw_shader_text *text, const char *step, const char *log, gw_error *error) {
-    char *message = gw_shader_text_message(text, log);
-    gw_code code =
-        gw_fail(error, GW_MACHINE, "%s does not %s:\n%s", text->files[0], step, message ? message : log);
+/* The whole log is read before it is sorted: warnings of many screens may stand before the first error. */
+static gw_code fail_build(const gw_shader_text *text, const char *step, GLuint object, bool is_program,
+                          gw_error *error) {
+    GLint size = 0;
+    (is_program ? glGetProgramiv : glGetShaderiv)(object, GL_INFO_LOG_LENGTH, &size);
+    char *log = calloc((size_t)(size > 0 ? size : 0) + 1, 1);
+    if (log && size > 0) {
+        (is_program ? glGetProgramInfoLog : glGetShaderInfoLog)(object, size, NULL, log);
+    }
+    char *message = log ? gw_shader_text_message(text, log) : NULL;
+    gw_code code = gw_fail(error, GW_MACHINE, "%s does not %s:\n%s", text->files[0], step,
+                           message ? message : "not enough memory for the driver's log");
     free(message);
+    free(log);
     return code;
 }
 
@@ -37,10 +46,9 @@ static gw_code compile_shader(const gw_shader_text *text, GLuint *out, gw_error 
     GLint done = GL_FALSE;
     glGetShaderiv(shader, GL_COMPILE_STATUS, &done);
     if (!done) {
-        char log[1536] = "";
-        glGetShaderInfoLog(shader, sizeof log, NULL, log);
+        gw_code code = fail_build(text, "compile", shader, false, error);
         glDeleteShader(shader);
-        return fail_build(text, "compile", log, error);
+        return code;
     }
     *out = shader;
     return GW_OK;
@@ -60,10 +68,9 @@ static gw_code link_program(const gw_shader_text *text, GLuint *out, gw_error *e
     GLint done = GL_FALSE;
     glGetProgramiv(program, GL_LINK_STATUS, &done);
     if (!done) {
-        char log[1536] = "";
-        glGetProgramInfoLog(program, sizeof log, NULL, log);
+        code = fail_build(text, "link", program, true, error);
         glDeleteProgram(program);
-        return fail_build(text, "link", log, error);
+        return code;
     }
     *out = program;
     return GW_OK;

@@ -5,6 +5,7 @@
 #include "base/memory.h"
 
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -271,6 +272,25 @@ static unsigned long message_line(const char *line, const char **rest) {
     return strtoul(line, NULL, 10);
 }
 
+/* Whether a line of the log says why compiling failed, and not what the driver would rather see. */
+static bool is_error_line(const char *line, size_t length) {
+    char *copy = strndup(line, length);
+    bool is_error = copy && strcasestr(copy, "error") && !strcasestr(copy, "warning");
+    free(copy);
+    return is_error;
+}
+
+static void write_line(FILE *stream, const gw_shader_text *text, const char *line, size_t length) {
+    const char *rest = NULL;
+    unsigned long number = message_line(line, &rest);
+    if (number > 0 && number / GW_SHADER_LINES < text->file_count) {
+        fprintf(stream, "%s:%lu%.*s\n", text->files[number / GW_SHADER_LINES], number % GW_SHADER_LINES,
+                (int)(length - (size_t)(rest - line)), rest);
+    } else {
+        fprintf(stream, "%.*s\n", (int)length, line);
+    }
+}
+
 char *gw_shader_text_message(const gw_shader_text *text, const char *log) {
     char *message = NULL;
     size_t size = 0;
@@ -278,17 +298,15 @@ char *gw_shader_text_message(const gw_shader_text *text, const char *log) {
     if (!stream) {
         return NULL;
     }
-    while (*log) {
-        size_t length = strcspn(log, "\n");
-        const char *rest = NULL;
-        unsigned long line = message_line(log, &rest);
-        if (line > 0 && line / GW_SHADER_LINES < text->file_count) {
-            fprintf(stream, "%s:%lu%.*s\n", text->files[line / GW_SHADER_LINES], line % GW_SHADER_LINES,
-                    (int)(length - (size_t)(rest - log)), rest);
-        } else {
-            fprintf(stream, "%.*s\n", (int)length, log);
+    /* Drivers list in the order of lines; errors go first, because an error text has an end. */
+    for (int errors = 1; errors >= 0; errors--) {
+        for (const char *line = log; *line;) {
+            size_t length = strcspn(line, "\n");
+            if (is_error_line(line, length) == (errors == 1)) {
+                write_line(stream, text, line, length);
+            }
+            line += length + (line[length] == '\n');
         }
-        log += length + (log[length] == '\n');
     }
     if (fclose(stream) != 0) {
         free(message);

@@ -27,8 +27,8 @@ gw_code gw_shader_text_create(const char *folder, const char *name, const char *
                               gw_error *error);
 void gw_shader_text_finish(gw_shader_text *text);
 
-/* A compiler's log with its line numbers replaced by file name and line; knows the forms "0:LINE", "0(LINE)"
- * and "ERROR: 0:LINE". free() the result; NULL when memory is out. */
+/* A compiler's log with its errors first and its line numbers replaced by file name and line; knows the forms
+ * "0:LINE", "0(LINE)" and "ERROR: 0:LINE". free() the result; NULL when memory is out. */
 char *gw_shader_text_message(const gw_shader_text *text, const char *log);
 
 #endif

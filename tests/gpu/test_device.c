@@ -232,6 +232,16 @@ static void compile_errors_name_file_and_line(void **state) {
     put("fine.glsl", "int fine;\n\n\n\n\n");
     check_fails(gw_gl_program(device, "after.comp", NULL, &program, &error), GW_MACHINE,
                 "shaders/after.comp:4");
+    char text[16384] =
+        "layout(local_size_x = 1) in;\nlayout(std430, binding = 0) buffer b { int out_word; };\n"
+        "void main() {\nint unset;\n";
+    for (int i = 0; i < 100; i++) {
+        strcat(text, "out_word += unset; // of which the driver warns each time\n");
+    }
+    strcat(text, "third_mistake();\n}\n");
+    put("warned.comp", text);
+    check_fails(gw_gl_program(device, "warned.comp", NULL, &program, &error), GW_MACHINE,
+                "shaders/warned.comp:105");
     check_fails(gw_gl_program(device, "absent.comp", NULL, &program, &error), GW_BAD_INPUT, "absent.comp");
 }
 

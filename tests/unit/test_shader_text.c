@@ -103,9 +103,11 @@ static void messages_are_mapped_to_files(void **state) {
     gw_shader_text text;
     check_ok(assemble("a.comp", NULL, &text, &error));
     char *message = gw_shader_text_message(
-        &text, "0:100023(10): error: x\n0(5) : error C1\nERROR: 0:100002: 'y'\n0:900001: z\nplain\n");
+        &text, "0:100001(1): warning: error may be unset\n0:100023(10): error: x\n0(5) : error C1\n"
+               "WARNING: 0:1: w\nERROR: 0:100002: 'y'\n0:900001: z\nplain\n");
     assert_string_equal(message, "shaders/c.glsl:23(10): error: x\nshaders/a.comp:5) : error C1\n"
-                                 "shaders/c.glsl:2: 'y'\n0:900001: z\nplain");
+                                 "shaders/c.glsl:2: 'y'\nshaders/c.glsl:1(1): warning: error may be unset\n"
+                                 "shaders/a.comp:1: w\n0:900001: z\nplain");
     free(message);
     gw_shader_text_finish(&text);
 }

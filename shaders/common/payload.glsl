@@ -31,6 +31,8 @@ float payload_offset(uvec3 payload) {
 // Agreement of the normals below which a cell is a cloud, and above which it is a slab.
 #define CLOUD_AGREEMENT 0.80
 #define SLAB_AGREEMENT 0.95
+// Agreement below which a two-sided cell is no thin plate but a fold, which no plane stands for.
+#define FOLD_AGREEMENT 0.99
 
 // Area of the plane n.x = s inside the unit cube about the origin (unit n): the second difference of squared distances from
 // its corners. Components of n are kept from 0, where the quotient would lose its digits.
@@ -60,7 +62,13 @@ float payload_opacity(uvec3 payload, vec3 normal, vec3 enter, vec3 leave) {
     precise float enter_height = dot(normal, enter);
     precise float leave_height = dot(normal, leave);
     precise float travel = length_precise(chord);
-    precise float cloud = area * mix(0.5 * travel, abs(leave_height - enter_height), agreement);
+    float rise = abs(leave_height - enter_height);
+    precise float cloud = area * mix(0.5 * travel, rise, agreement);
+    // Where normals were turned to one side before their mean was taken (a ridge, a fold), the mean says little of a ray
+    // across it: normals at the angle acos(agreement) about it face that ray by up to the sine.
+    bool folded = (payload.x & GW_PAYLOAD_TWO_SIDED) != 0u && agreement < FOLD_AGREEMENT;
+    precise float across = area * sqrt((1.0 - agreement * agreement) * max(travel * travel - rise * rise, 0.0));
+    cloud = folded ? max(cloud, 0.9 * across) : cloud;
 
     float reach = 0.5 * (abs(normal.x) + abs(normal.y) + abs(normal.z));
     float offset = payload_offset(payload);
@@ -72,6 +80,6 @@ float payload_opacity(uvec3 payload, vec3 normal, vec3 enter, vec3 leave) {
     precise float crossed = clamp((high - low) * (1.0 / SLAB_HALF), 0.0, 1.0);
     precise float filled = min(area / max(cube_section(normal, centre), 1e-3), 1.0);
     float slab_share = clamp((agreement - CLOUD_AGREEMENT) * (1.0 / (SLAB_AGREEMENT - CLOUD_AGREEMENT)), 0.0, 1.0);
-    precise float opacity = mix(cloud, crossed * filled, slab_share);
+    precise float opacity = mix(cloud, crossed * filled, folded ? 0.0 : slab_share);
     return min(opacity, 1.0);
 }

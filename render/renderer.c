@@ -67,6 +67,8 @@ void gw_renderer_destroy(gw_renderer **renderer) {
     gw_scene_buffers_finish(&r->buffers);
     gw_gl_buffer_finish(&r->totals);
     gw_gl_buffer_finish(&r->frame);
+    gw_gl_buffer_finish(&r->given_rays);
+    gw_gl_buffer_finish(&r->found_hits);
     free(r->host_pixels);
     free(r);
     *renderer = NULL;
@@ -194,6 +196,7 @@ gw_code gw_renderer_report(const gw_renderer *renderer, json_t *report, gw_error
 uint64_t gw_renderer_bytes(const gw_renderer *renderer) {
     const gw_ray_buffers *rays = &renderer->rays;
     return gw_scene_buffers_bytes(&renderer->buffers) + renderer->totals.size + renderer->frame.size +
-           rays->fragments.size + rays->statuses.size + rays->states.size + rays->queues[0].size +
-           rays->queues[1].size + rays->work.size + rays->sums.size + rays->pixels.size;
+           renderer->given_rays.size + renderer->found_hits.size + rays->fragments.size +
+           rays->statuses.size + rays->states.size + rays->queues[0].size + rays->queues[1].size +
+           rays->work.size + rays->sums.size + rays->pixels.size;
 }

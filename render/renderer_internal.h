@@ -41,7 +41,8 @@ struct gw_renderer {
     gw_scene_buffers buffers;
     gw_ray_buffers rays;
     gw_gl_buffer totals, frame;
-    uint32_t *host_pixels; /* of one chunk */
+    gw_gl_buffer given_rays, found_hits; /* of gw_renderer_trace */
+    uint32_t *host_pixels;               /* of one chunk */
     size_t host_pixel_capacity;
 };
 

@@ -1,11 +1,6 @@
 /* Rays for oracles and benches: the octree's traversal, or every triangle with the same test. */
 #include "render/renderer_internal.h"
 
-#include <math.h>
-#include <stdlib.h>
-
-#include "base/memory.h"
-
 /* Triangles per brute-force dispatch: its loop is uniform, so this is all a group of lanes iterates. */
 enum { BRUTE_FORCE_RANGE = 32768 };
 
@@ -66,58 +61,33 @@ static gw_code trace_brute_force(gw_renderer *renderer, size_t count, gw_error *
     return code;
 }
 
-/* Directions are brought to a largest component in [1, 2) by a power of two, which is exact, so that tiny and
- * huge ones step like others; minimum and maximum follow, and t goes back. Returns the exponent. */
-static int normalise_ray(gw_ray *ray) {
-    float largest =
-        fmaxf(fabsf(ray->direction[0]), fmaxf(fabsf(ray->direction[1]), fabsf(ray->direction[2])));
-    int exponent = 0;
-    if (!(largest > 0.0f) || !isfinite(largest))
-        return 0;
-    (void)frexpf(largest, &exponent);
-    exponent -= 1;
-    for (int i = 0; i < 3; ++i)
-        ray->direction[i] = ldexpf(ray->direction[i], -exponent);
-    ray->minimum = ldexpf(ray->minimum, exponent);
-    ray->maximum = ldexpf(ray->maximum, exponent);
-    return exponent;
+/* Makes the buffer at least that large; contents are lost when it grows. */
+static gw_code grow_buffer(gw_renderer *renderer, gw_gl_buffer *buffer, const char *name, size_t size,
+                           gw_error *error) {
+    if (buffer->id && buffer->size >= size)
+        return GW_OK;
+    gw_gl_buffer_finish(buffer);
+    return gw_gl_buffer_create(renderer->device, name, size, NULL, 0, buffer, error);
 }
 
 static gw_code trace_chunk(gw_renderer *renderer, gw_trace_method method, const gw_ray *rays, size_t count,
                            gw_hit *hits, gw_counters *counters, gw_error *error) {
-    gw_gl_buffer ray_buffer = {0}, hit_buffer = {0};
-    void *scaled_memory = NULL, *exponent_memory = NULL;
-    gw_code code = gw_allocate(&scaled_memory, count, sizeof(gw_ray), "rays", error);
+    gw_gl_buffer *given = &renderer->given_rays, *found = &renderer->found_hits;
+    gw_code code = grow_buffer(renderer, given, "rays", count * sizeof(gw_ray), error);
     if (!code)
-        code = gw_allocate(&exponent_memory, count, sizeof(int), "ray exponents", error);
-    gw_ray *scaled = scaled_memory;
-    int *exponents = exponent_memory;
-    for (size_t i = 0; !code && i < count; ++i) {
-        scaled[i] = rays[i];
-        exponents[i] = normalise_ray(&scaled[i]);
-    }
+        code = grow_buffer(renderer, found, "hits", count * sizeof(gw_hit), error);
     if (!code)
-        code = gw_gl_buffer_create(renderer->device, "rays", count * sizeof(gw_ray), scaled, 0, &ray_buffer,
-                                   error);
-    if (!code)
-        code = gw_gl_buffer_create(renderer->device, "hits", count * sizeof(gw_hit), NULL, 0, &hit_buffer,
-                                   error);
+        code = gw_gl_buffer_write(given, 0, count * sizeof(gw_ray), rays, error);
     if (!code)
         code = gw_renderer_reserve(renderer, count, 1, renderer->count, error);
     if (!code) {
-        gw_gl_buffer_bind(&ray_buffer, GW_BINDING_FRAGMENTS);
-        gw_gl_buffer_bind(&hit_buffer, GW_BINDING_STATUSES);
+        gw_gl_buffer_bind(given, GW_BINDING_FRAGMENTS);
+        gw_gl_buffer_bind(found, GW_BINDING_STATUSES);
         code = method == GW_TRACE_OCTREE ? trace_octree(renderer, count, counters, error)
                                          : trace_brute_force(renderer, count, error);
     }
     if (!code)
-        code = gw_gl_buffer_read(&hit_buffer, 0, count * sizeof(gw_hit), hits, error);
-    for (size_t i = 0; !code && i < count; ++i)
-        hits[i].t = hits[i].triangle == GW_NO_TRIANGLE ? rays[i].maximum : ldexpf(hits[i].t, -exponents[i]);
-    gw_gl_buffer_finish(&ray_buffer);
-    gw_gl_buffer_finish(&hit_buffer);
-    free(scaled_memory);
-    free(exponent_memory);
+        code = gw_gl_buffer_read(found, 0, count * sizeof(gw_hit), hits, error);
     return code;
 }
 

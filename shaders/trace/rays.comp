@@ -8,8 +8,6 @@ layout(local_size_x = 64) in;
 #include "common/shared.h"
 #include "common/frame.h"
 uniform uint group_base;
-layout(std430, binding = 0) readonly buffer Rays { vec4 rays[]; }; // origin, minimum; direction, maximum
-layout(std430, binding = 1) writeonly buffer Hits { uvec2 hits[]; };
 layout(std430, binding = 3) buffer Totals { uint totals[]; };
 layout(std430, binding = 4) readonly buffer Queue { uint queue[]; };
 layout(std430, binding = 5) writeonly buffer NextQueue { uint next_queue[]; };
@@ -17,6 +15,7 @@ layout(std430, binding = 5) writeonly buffer NextQueue { uint next_queue[]; };
 layout(std430, binding = 6) buffer Work { uvec4 work_of[]; };
 #endif
 layout(location = 0) uniform uint ray_count; // or the length of the queue
+#include "trace/ray_buffer.glsl"
 #include "trace/walk.glsl"
 #include "trace/traverse_exact.glsl"
 #include "trace/state.glsl"
@@ -30,18 +29,18 @@ void main() {
 #else
     uint slot = at;
 #endif
-    vec4 start = rays[slot * 2u], aim = rays[slot * 2u + 1u];
-    set_ray(start.xyz, aim.xyz);
-    hit_t = aim.w;
+    Scaled_ray ray = load_ray(slot);
+    set_ray(ray.origin, ray.direction);
+    hit_t = ray.maximum;
     hit_triangle = GW_NO_TRIANGLE;
-    floor_t = start.w;
+    floor_t = ray.minimum;
     floor_triangle = GW_NO_TRIANGLE;
     iterations = 0u;
     list_cursor = 0u;
 #ifdef COUNT
     work = uvec4(0u);
 #endif
-    walking = enter_root(start.w);
+    walking = enter_root(ray.minimum);
 #ifdef RESUME
     state_load(slot);
     walking = true;
@@ -53,7 +52,7 @@ void main() {
     } else if (walking) {
         atomicAdd(totals[0], 1u);
     }
-    hits[slot] = uvec2(floatBitsToUint(hit_t), hit_triangle);
+    store_hit(slot, ray, hit_t, hit_triangle);
 #ifdef COUNT
 #ifdef RESUME
     work += work_of[slot];

@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -104,20 +105,50 @@ static int write_all(int file, const uint8_t *data, size_t size) {
     return 0;
 }
 
-gw_code gw_file_write(const char *path, const void *data, size_t size, gw_error *error) {
+/* What writing to path means. Only regular files and new names are written by way of a temporary file and
+ * rename: that would put a file in the place of a device or a FIFO. Links to files are followed, so that they
+ * stay links. */
+typedef struct target {
+    char *path; /* owned */
+    bool in_place;
+} target;
+
+static gw_code target_init(target *out, const char *path, gw_error *error) {
+    struct stat status;
+    bool exists = stat(path, &status) == 0;
+    *out = (target){.in_place = exists && !S_ISREG(status.st_mode)};
+    out->path = exists && !out->in_place ? realpath(path, NULL) : gw_copy_text(path);
+    if (!out->path) {
+        return gw_fail(error, GW_MACHINE, "%s: not enough memory for a file name", path);
+    }
+    return GW_OK;
+}
+
+static int write_in_place(const char *path, const void *data, size_t size) {
+    int file = open(path, O_WRONLY | O_CLOEXEC | O_NOCTTY);
+    if (file < 0) {
+        return errno;
+    }
+    int number = write_all(file, data, size);
+    if (close(file) != 0 && number == 0) {
+        number = errno;
+    }
+    return number;
+}
+
+static int write_and_rename(const char *path, const void *data, size_t size) {
     size_t length = strlen(path);
     char *temporary = malloc(length + 8);
     if (!temporary) {
-        return gw_fail(error, GW_MACHINE, "%s: not enough memory for a file name", path);
+        return ENOMEM;
     }
     memcpy(temporary, path, length);
     memcpy(temporary + length, ".XXXXXX", 8);
-    gw_code code = GW_OK;
     int file = mkostemp(temporary, O_CLOEXEC);
     if (file < 0) {
-        code = fail_errno(error, GW_NO_OUTPUT, path, "cannot be written", errno);
+        int number = errno;
         free(temporary);
-        return code;
+        return number;
     }
     int number = write_all(file, data, size);
     /* mkostemp makes files for the owner only; results are for everybody to read. */
@@ -132,9 +163,42 @@ gw_code gw_file_write(const char *path, const void *data, size_t size, gw_error 
     }
     if (number != 0) {
         unlink(temporary);
-        code = fail_errno(error, GW_NO_OUTPUT, path, "cannot be written", number);
     }
     free(temporary);
+    return number;
+}
+
+gw_code gw_file_write(const char *path, const void *data, size_t size, gw_error *error) {
+    target to;
+    gw_code code = target_init(&to, path, error);
+    if (code) {
+        return code;
+    }
+    int number = to.in_place ? write_in_place(to.path, data, size) : write_and_rename(to.path, data, size);
+    free(to.path);
+    return number ? fail_errno(error, GW_NO_OUTPUT, path, "cannot be written", number) : GW_OK;
+}
+
+gw_code gw_file_writable(const char *path, gw_error *error) {
+    if (!path) {
+        return GW_OK;
+    }
+    target to;
+    gw_code code = target_init(&to, path, error);
+    if (code) {
+        return code;
+    }
+    struct stat status;
+    char *place = to.in_place ? gw_copy_text(to.path) : gw_path_folder(to.path);
+    if (!place) {
+        code = gw_fail(error, GW_MACHINE, "%s: not enough memory for a file name", path);
+    } else if (stat(place, &status) != 0 || access(place, W_OK) != 0) {
+        code = fail_errno(error, GW_NO_OUTPUT, path, "cannot be written", errno);
+    } else if (S_ISDIR(status.st_mode) == to.in_place) {
+        code = fail_errno(error, GW_NO_OUTPUT, path, "cannot be written", to.in_place ? EISDIR : ENOTDIR);
+    }
+    free(place);
+    free(to.path);
     return code;
 }
 
@@ -149,9 +213,14 @@ gw_code gw_make_directories(const char *path, gw_error *error) {
         char kept = *end;
         *end = '\0';
         struct stat status;
-        if (*partial && mkdir(partial, 0777) != 0 &&
-            (errno != EEXIST || stat(partial, &status) != 0 || !S_ISDIR(status.st_mode))) {
-            code = fail_errno(error, GW_NO_OUTPUT, path, "the folder cannot be made", errno);
+        if (*partial && mkdir(partial, 0777) != 0) {
+            int number = errno;
+            if (number == EEXIST && stat(partial, &status) == 0) {
+                number = S_ISDIR(status.st_mode) ? 0 : ENOTDIR;
+            }
+            if (number != 0) {
+                code = fail_errno(error, GW_NO_OUTPUT, path, "the folder cannot be made", number);
+            }
         }
         *end = kept;
         if (!kept) {

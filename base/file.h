@@ -20,8 +20,12 @@ void gw_bytes_finish(gw_bytes *bytes);
 gw_code gw_file_read(const char *path, size_t limit, gw_bytes *out, gw_error *error);
 
 /* Writes path by way of a temporary name in the same folder and rename; GW_NO_OUTPUT on failure, and the
- * temporary file is removed. */
+ * temporary file is removed. Links are followed; devices and FIFOs are written to and stay what they are. */
 gw_code gw_file_write(const char *path, const void *data, size_t size, gw_error *error);
+
+/* GW_NO_OUTPUT where gw_file_write could not write, as far as can be told: a user hears that before long work
+ * and not after it. A NULL path is fine. */
+gw_code gw_file_writable(const char *path, gw_error *error);
 
 /* mkdir -p; GW_NO_OUTPUT on failure. */
 gw_code gw_make_directories(const char *path, gw_error *error);

@@ -151,8 +151,11 @@ static gw_code check(const struct argp *argp, int argc, char **argv, int *help, 
         }
         if (!strcmp(word, "--"))
             return GW_OK;
-        if (word[0] != '-' || !word[1])
+        if (word[0] != '-' || !word[1]) {
+            if (!argp->parser)
+                return gw_fail(error, GW_BAD_INPUT, "'%s' is one word too many; see --help", word);
             continue;
+        }
         if (word[1] != '-')
             return gw_fail(error, GW_BAD_INPUT,
                            "unknown option '%s'; options are whole words after two dashes, --help lists them",

@@ -103,8 +103,7 @@ gw_code gw_bench_write(const gw_bench *bench, const char *name, const char *rows
         return GW_OK;
     char *csv = gw_picture_path(bench->out, "%s.csv", name),
          *json = gw_picture_path(bench->out, "%s.json", name);
-    gw_code code = csv && json ? gw_make_directories(bench->out, error)
-                               : gw_fail(error, GW_MACHINE, "memory is out while naming results");
+    gw_code code = csv && json ? GW_OK : gw_fail(error, GW_MACHINE, "memory is out while naming results");
     gw_interrupt_hold();
     if (!code)
         code = gw_file_write(csv, rows, size, error);
@@ -143,6 +142,10 @@ int gw_verb_bench(int argc, char **argv) {
     if (!code && !o.kind)
         code = gw_fail(&error, GW_BAD_INPUT,
                        "say what to measure: gazewall bench build, or gazewall bench peers");
+    if (!code)
+        code = gw_file_writable(bench->draw.report, &error);
+    if (!code && bench->out)
+        code = gw_make_directories(bench->out, &error);
     gw_console_init(&bench->console, "bench", bench->draw.level, bench->draw.quiet);
     if (!code)
         code = prepare(bench, argc, argv, &error);

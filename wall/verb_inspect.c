@@ -239,8 +239,6 @@ static gw_code write_reports(const inspect_options *o, const json_t *report, gw_
     gw_interrupt_hold();
     if (o->draw.report)
         code = gw_report_write(report, o->draw.report, error);
-    if (!code && o->out)
-        code = gw_make_directories(o->out, error);
     if (!code && o->out) {
         char *path = gw_path_join(o->out, "inspect.json");
         code = path ? gw_report_write(report, path, error)
@@ -264,6 +262,10 @@ int gw_verb_inspect(int argc, char **argv) {
         return GW_OK;
     if (!code && o.device && (o.draw.scene || o.validate))
         code = gw_fail(&error, GW_BAD_INPUT, "--device tells about the GL device alone; leave out the scene");
+    if (!code)
+        code = gw_file_writable(o.draw.report, &error);
+    if (!code && o.out)
+        code = gw_make_directories(o.out, &error);
     gw_console_init(&console, "inspect", o.draw.level, o.draw.quiet);
     if (!code)
         code = gw_report_create(argc, argv, &report, &error);

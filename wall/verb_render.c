@@ -3,6 +3,7 @@
 #include "wall/verbs.h"
 
 #include "base/clock.h"
+#include "base/file.h"
 #include "base/image.h"
 #include "base/memory.h"
 #include "wall/console.h"
@@ -256,21 +257,23 @@ static gw_code make_view(const render_options *o, const gw_scene *scene, view *o
     return code;
 }
 
+/* Of --states: read before the scene, so that a mistake is told at once. */
+static gw_code recorded_state(const render_options *o, gw_frame_state *state, gw_error *error) {
+    gw_states states = {0};
+    gw_code code = gw_states_load(o->states, &states, error);
+    int64_t frame = o->frame < 0 ? 0 : o->frame;
+    if (!code && (size_t)frame >= states.count)
+        code =
+            gw_fail(error, GW_BAD_INPUT, "%s holds %zu frame states; --frame %" PRId64 " is not one of them",
+                    o->states, states.count, frame);
+    if (!code)
+        *state = states.states[frame];
+    gw_states_finish(&states);
+    return code;
+}
+
 static gw_code make_state(const render_options *o, const view *v, gw_frame_state *state, gw_error *error) {
     const gw_draw_options *draw = &o->draw;
-    if (o->states) {
-        gw_states states = {0};
-        gw_code code = gw_states_load(o->states, &states, error);
-        int64_t frame = o->frame < 0 ? 0 : o->frame;
-        if (!code && (size_t)frame >= states.count)
-            code = gw_fail(error, GW_BAD_INPUT,
-                           "%s holds %zu frame states; --frame %" PRId64 " is not one of them", o->states,
-                           states.count, frame);
-        if (!code)
-            *state = states.states[frame];
-        gw_states_finish(&states);
-        return code;
-    }
     gw_frame_begin(state, 0, &draw->settings, draw->seed, draw->debug);
     double target[3];
     gw_code code =
@@ -300,7 +303,7 @@ static gw_code draw(render *r, gw_error *error) {
     const gw_rectangle rectangle = {.width = r->options.wall.size[0], .height = r->options.wall.size[1]};
     gw_renderer_options how = {.count = r->options.draw.count, .log = &r->console.log};
     gw_code code = make_view(&r->options, r->model.scene, &r->view, error);
-    if (!code)
+    if (!code && !r->options.states)
         code = make_state(&r->options, &r->view, &r->state, error);
     if (!code)
         code =
@@ -368,6 +371,12 @@ int gw_verb_render(int argc, char **argv) {
         return GW_OK;
     if (!code)
         code = check_view(&r.options, &error);
+    if (!code)
+        code = gw_file_writable(r.options.out, &error);
+    if (!code)
+        code = gw_file_writable(r.options.draw.report, &error);
+    if (!code && r.options.states)
+        code = recorded_state(&r.options, &r.state, &error);
     gw_console_init(&r.console, "render", r.options.draw.level, r.options.draw.quiet);
     if (!code)
         code = gw_report_create(argc, argv, &r.report, &error);

@@ -422,6 +422,17 @@ static gw_code run(launcher *l, int argc, char **argv) {
     return l->result.code;
 }
 
+/* What cannot be written in the end is told before anything is loaded. */
+static gw_code check_places(const gw_sim_options *options, gw_error *error) {
+    gw_code code = options->out ? gw_make_directories(options->out, error) : GW_OK;
+    if (!code && options->out && access(options->out, W_OK))
+        code = gw_fail(error, GW_NO_OUTPUT, "%s: nothing can be written there: %s", options->out,
+                       strerror(errno));
+    if (!code)
+        code = gw_file_writable(options->draw.report, error);
+    return code ? code : gw_file_writable(options->save_states, error);
+}
+
 int gw_verb_sim(int argc, char **argv) {
     static launcher l;
     gw_error error = {0};
@@ -432,8 +443,8 @@ int gw_verb_sim(int argc, char **argv) {
         return GW_OK;
     if (!code)
         code = gw_wall_layout(&l.options.wall, &l.layout, &error);
-    if (!code && l.options.out)
-        code = gw_make_directories(l.options.out, &error);
+    if (!code)
+        code = check_places(&l.options, &error);
     if (code)
         return gw_console_fail("sim", &error);
     gw_console_init(&l.console, "sim", l.options.draw.level, l.options.draw.quiet);

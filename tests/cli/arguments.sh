@@ -26,6 +26,7 @@ expect "a mistyped option" 2 "unknown option '--frams'; did you mean '--frames'?
 expect "a mistyped option with its value" 2 "did you mean '--size'?" render --sise=10x10
 expect "no such option" 2 "unknown option '--zzzzzzzzzz'; --help lists the options" render --zzzzzzzzzz
 expect "a short option" 2 "unknown option '-x'" render -x
+expect "a word too many" 2 "'extra' is one word too many" settings extra
 expect "an option without its value" 2 "option '--size' needs a value: --size WxH" render --size
 expect "a value that does not belong" 2 "option '--no-gaze' takes no value" render --no-gaze=1
 expect "a word that belongs nowhere" 2 "'model.obj' belongs to no option; a scene is given as --scene model.obj" render model.obj
@@ -79,9 +80,18 @@ expect "a state with half an eye" 2 "short.json:2: 'eye' is missing or not three
 expect "a picture that cannot be written" 5 "$folder/nowhere/a.png" render "${scene[@]}" --size 32x32 --out "$folder/nowhere/a.png"
 expect "a report that cannot be written" 5 "$folder/nowhere/r.json" render "${scene[@]}" --size 32x32 --report "$folder/nowhere/r.json"
 : >"$folder/file"
+expect "it is told before the scene is read" 5 "$folder/nowhere/a.png" render --scene missing.obj --out "$folder/nowhere/a.png"
+expect "a folder in the picture's place" 5 "Is a directory" render --scene missing.obj --out "$folder"
+expect "states that cannot be written" 5 "$folder/nowhere/s" sim --scene missing.obj --save-states "$folder/nowhere/s"
+expect "results of a bench below a file" 5 "$folder/file" bench build --scene missing.obj --out "$folder/file/results"
+mkfifo "$folder/fifo"
+timeout 60 cat "$folder/fifo" >"$folder/through" &
+expect "a picture through a FIFO" 0 "" render "${scene[@]}" --size 8x8 --out "$folder/fifo"
+wait $!
+is "it stays one" "$([ -p "$folder/fifo" ] && echo fifo) $(head -c 4 "$folder/through" | tail -c 3)" "fifo PNG"
 expect "pictures below a file" 5 "$folder/file" sim "${scene[@]}" --tiles 1x1 --size 32x32 --out "$folder/file/pictures"
 expect "no such shaders" 2 "nowhere" render "${scene[@]}" --size 32x32 --shaders "$folder/nowhere"
-if [ -e /dev/full ]; then
+if [ -c /dev/full ]; then
     timeout 60 "$program" settings >/dev/full 2>"$folder/full"
     is "standard output that is full" $? 5
     has "it says so" "$(cat "$folder/full")" "standard output could not be written"

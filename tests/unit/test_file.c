@@ -4,6 +4,7 @@
 #include "base/file.h"
 
 #include <dirent.h>
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -109,6 +110,60 @@ static void writing_replaces_and_others_may_read(void **state) {
     struct stat status;
     assert_int_equal(stat(path, &status), 0);
     assert_int_equal(status.st_mode & 0777, 0644);
+    unlink(path);
+}
+
+static void what_is_no_file_is_written_to_and_stays(void **state) {
+    (void)state;
+    char path[512], text[16] = "";
+    struct stat status;
+    scratch_path(path, "pipe");
+    unlink(path);
+    assert_int_equal(mkfifo(path, 0600), 0);
+    int reader = open(path, O_RDONLY | O_NONBLOCK);
+    assert_true(reader >= 0);
+    check_ok(gw_file_writable(path, &error));
+    check_ok(gw_file_write(path, "through", 7, &error));
+    assert_int_equal(read(reader, text, sizeof text), 7);
+    assert_string_equal(text, "through");
+    assert_int_equal(lstat(path, &status), 0);
+    assert_true(S_ISFIFO(status.st_mode));
+    close(reader);
+    unlink(path);
+}
+
+static void a_link_stays_a_link(void **state) {
+    (void)state;
+    char path[512], link[512];
+    struct stat status;
+    check_ok(gw_file_write(scratch_path(path, "linked"), "old", 3, &error));
+    scratch_path(link, "link");
+    unlink(link);
+    assert_int_equal(symlink("linked", link), 0);
+    check_ok(gw_file_writable(link, &error));
+    check_ok(gw_file_write(link, "new", 3, &error));
+    assert_int_equal(lstat(link, &status), 0);
+    assert_true(S_ISLNK(status.st_mode));
+    gw_bytes bytes;
+    check_ok(gw_file_read(path, 10, &bytes, &error));
+    assert_string_equal((char *)bytes.data, "new");
+    gw_bytes_finish(&bytes);
+    unlink(link);
+    unlink(path);
+}
+
+static void places_that_cannot_be_written_are_told_before(void **state) {
+    (void)state;
+    char path[512], below[600];
+    check_ok(gw_file_writable(NULL, &error));
+    check_ok(gw_file_writable(scratch_path(path, "to-be"), &error));
+    assert_false(gw_file_exists(path));
+    check_fails(gw_file_writable("/nowhere/at/all", &error), GW_NO_OUTPUT, "/nowhere/at/all");
+    check_fails(gw_file_writable("/", &error), GW_NO_OUTPUT, "Is a directory");
+    check_ok(gw_file_write(path, "x", 1, &error));
+    check_ok(gw_file_writable(path, &error));
+    snprintf(below, sizeof below, "%s/below", path);
+    check_fails(gw_file_writable(below, &error), GW_NO_OUTPUT, "Not a directory");
     unlink(path);
 }
 
@@ -240,6 +295,9 @@ int main(void) {
         cmocka_unit_test(other_things_than_files_are_refused),
         cmocka_unit_test(failed_writing_leaves_nothing),
         cmocka_unit_test(writing_replaces_and_others_may_read),
+        cmocka_unit_test(what_is_no_file_is_written_to_and_stays),
+        cmocka_unit_test(a_link_stays_a_link),
+        cmocka_unit_test(places_that_cannot_be_written_are_told_before),
         cmocka_unit_test(folders_are_made_with_parents),
         cmocka_unit_test(paths_are_taken_apart_and_joined),
         cmocka_unit_test(gzip_is_expanded_up_to_the_limit),

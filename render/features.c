@@ -15,6 +15,8 @@ const gw_feature_row gw_feature_rows[] = {
     {GW_FEATURE_LOD, "lod", "LOD", "tau is 0 wherever it applies, so every ray ends at triangles"},
     {GW_FEATURE_GAZE, "gaze", "GAZE", "no gaze is known, or nothing in the frame depends on it"},
     {GW_FEATURE_WIDE_NODES, "wide-nodes", "WIDE_NODES", "the octree has at most 2^24 nodes"},
+    {GW_FEATURE_SPARSE, "sparse-samples", "SPARSE",
+     "no gaze is known, or sample_block is 1: a ray per pixel"},
 };
 const size_t gw_feature_count = sizeof gw_feature_rows / sizeof gw_feature_rows[0];
 
@@ -67,6 +69,8 @@ uint32_t gw_features_of_frame(const gw_frame_state *state, uint32_t viewers, uin
         (bits & GW_FEATURE_LOD) || (scene_features & GW_FEATURE_TEXTURES) || state->debug == GW_DEBUG_GAZE;
     if (viewers > 0 && depends)
         bits |= GW_FEATURE_GAZE;
+    if (viewers > 0 && state->sample_block > 0)
+        bits |= GW_FEATURE_SPARSE;
     return bits;
 }
 

@@ -69,6 +69,9 @@ void gw_renderer_destroy(gw_renderer **renderer) {
     gw_gl_buffer_finish(&r->frame);
     gw_gl_buffer_finish(&r->given_rays);
     gw_gl_buffer_finish(&r->found_hits);
+    gw_gl_buffer_finish(&r->samples);
+    gw_gl_buffer_finish(&r->blocks);
+    gw_sparse_finish(&r->sparse);
     free(r->host_pixels);
     free(r);
     *renderer = NULL;
@@ -198,5 +201,6 @@ uint64_t gw_renderer_bytes(const gw_renderer *renderer) {
     return gw_scene_buffers_bytes(&renderer->buffers) + renderer->totals.size + renderer->frame.size +
            renderer->given_rays.size + renderer->found_hits.size + rays->fragments.size +
            rays->statuses.size + rays->states.size + rays->queues[0].size + rays->queues[1].size +
-           rays->work.size + rays->sums.size + rays->pixels.size;
+           rays->work.size + rays->sums.size + rays->pixels.size + renderer->samples.size +
+           renderer->blocks.size;
 }

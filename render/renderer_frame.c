@@ -14,6 +14,7 @@ typedef struct frame_job {
     gw_kernel_key key;
     gw_frame_block block;
     GLuint trace, shade;
+    uint32_t sample_block; /* log2 of the side of the largest sample block */
     const gw_rectangle *rectangle;
     uint8_t *rgba;
     gw_counters counters;
@@ -42,7 +43,7 @@ static gw_kernel_key key_of(const gw_renderer *renderer, const gw_frame_state *s
 /* Tracing knows nothing of what only shading needs, and the other way round, so that kernels are shared. */
 static gw_code kernels_of(frame_job *job, int resume, gw_error *error) {
     const uint32_t trace_features =
-        GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_ALPHA | GW_FEATURE_WIDE_NODES;
+        GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_ALPHA | GW_FEATURE_WIDE_NODES | GW_FEATURE_SPARSE;
     gw_kernel_key trace = job->key, shade = job->key;
     trace.features &= trace_features;
     trace.texture_classes = 0;
@@ -113,16 +114,65 @@ static void place_pixels(const frame_job *job, size_t block_count) {
     }
 }
 
+/* Replaces a buffer's contents; the buffer only grows. */
+static gw_code refill(gw_renderer *renderer, gw_gl_buffer *buffer, const char *name, const uint32_t *words,
+                      size_t count, GLuint binding, gw_error *error) {
+    size_t bytes = count * sizeof *words;
+    gw_code code = GW_OK;
+    if (bytes > buffer->size) {
+        gw_gl_buffer_finish(buffer);
+        code = gw_gl_buffer_create(renderer->device, name, bytes, NULL, 0, buffer, error);
+    }
+    if (!code)
+        code = gw_gl_buffer_write(buffer, 0, bytes, words, error);
+    if (!code)
+        gw_gl_buffer_bind(buffer, binding);
+    return code;
+}
+
+/* Lists the chunk's samples and puts them on the GPU. */
+static gw_code list_samples(frame_job *job, size_t block_count, gw_error *error) {
+    gw_renderer *renderer = job->renderer;
+    gw_sparse *sparse = &renderer->sparse;
+    const int32_t *chunk = job->block.chunk;
+    gw_code code = gw_sparse_list(sparse, &job->block, chunk[0] / GW_BLOCK_SIDE, chunk[1] / GW_BLOCK_SIDE,
+                                  chunk[2], (int32_t)block_count / chunk[2], job->sample_block, error);
+    if (!code)
+        code = refill(renderer, &renderer->samples, "samples", sparse->samples, sparse->sample_count,
+                      GW_BINDING_SAMPLES, error);
+    if (!code)
+        code = refill(renderer, &renderer->blocks, "sample blocks", sparse->blocks, sparse->block_count,
+                      GW_BINDING_BLOCKS, error);
+    job->counters.rays += sparse->real_samples;
+    return code;
+}
+
+static gw_code reconstruct(frame_job *job, size_t pixel_slots, gw_error *error) {
+    GLuint program;
+    gw_code code = gw_gl_program(job->renderer->device, "blend/reconstruct.comp", NULL, &program, error);
+    if (code)
+        return code;
+    glProgramUniform1ui(program, 0, (GLuint)pixel_slots);
+    return gw_gl_dispatch(job->renderer->device, program,
+                          (pixel_slots + GW_BLOCK_PIXELS - 1) / GW_BLOCK_PIXELS, error);
+}
+
 static gw_code render_chunk(frame_job *job, size_t block_count, gw_error *error) {
     gw_renderer *renderer = job->renderer;
-    size_t slots = block_count * GW_BLOCK_PIXELS;
+    const int sparse = (job->key.features & GW_FEATURE_SPARSE) != 0;
+    size_t pixel_slots = block_count * GW_BLOCK_PIXELS, slots = pixel_slots;
     uint32_t totals[4] = {0};
     job->block.chunk[3] = (int32_t)block_count;
     gw_code code = gw_gl_buffer_write(&renderer->frame, 0, sizeof job->block, &job->block, error);
+    if (!code && sparse) {
+        code = list_samples(job, block_count, error);
+        slots = renderer->sparse.sample_count;
+    }
     if (!code)
         code = gw_renderer_clear_totals(renderer, error);
     if (!code)
-        code = gw_renderer_reserve(renderer, slots, gw_kernel_fragments(&job->key), job->key.count, error);
+        code = gw_renderer_reserve(renderer, slots > pixel_slots ? slots : pixel_slots,
+                                   gw_kernel_fragments(&job->key), job->key.count, error);
     if (!code)
         code = kernels_of(job, 0, error);
     if (!code)
@@ -133,12 +183,14 @@ static gw_code render_chunk(frame_job *job, size_t block_count, gw_error *error)
     job->counters.nan_pixels += totals[1];
     if (!code && totals[2] > 0)
         code = resume_rays(job, totals[2], error);
+    if (!code && sparse)
+        code = reconstruct(job, pixel_slots, error);
     if (!code)
-        code = gw_grow((void **)&renderer->host_pixels, &renderer->host_pixel_capacity, slots,
+        code = gw_grow((void **)&renderer->host_pixels, &renderer->host_pixel_capacity, pixel_slots,
                        sizeof(uint32_t), "pixels", error);
     if (!code)
-        code = gw_gl_buffer_read(&renderer->rays.pixels, 0, slots * sizeof(uint32_t), renderer->host_pixels,
-                                 error);
+        code = gw_gl_buffer_read(&renderer->rays.pixels, 0, pixel_slots * sizeof(uint32_t),
+                                 renderer->host_pixels, error);
     if (!code)
         place_pixels(job, block_count);
     if (!code && job->key.count)
@@ -152,7 +204,13 @@ static gw_code render_chunks(frame_job *job, gw_error *error) {
     int64_t first_x = block_of(r->x), end_x = block_of((int64_t)r->x + r->width - 1) + 1;
     int64_t first_y = block_of(r->y), end_y = block_of((int64_t)r->y + r->height - 1) + 1;
     int64_t limit = (int64_t)(gw_renderer_chunk_slots(job->renderer) / GW_BLOCK_PIXELS);
-    int64_t columns = end_x - first_x < limit ? end_x - first_x : limit;
+    int64_t most_columns = limit;
+    if (job->key.features & GW_FEATURE_SPARSE) {
+        /* Larger chunks have less rim, and hold fewer samples than pixels. */
+        limit *= 2;
+        most_columns = GW_SPARSE_COLUMNS;
+    }
+    int64_t columns = end_x - first_x < most_columns ? end_x - first_x : most_columns;
     int64_t rows = limit / columns;
     gw_code code = GW_OK;
     for (int64_t y = first_y; y < end_y && !code; y += rows)
@@ -208,7 +266,9 @@ gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement,
     job.block.window[3] = rectangle->y + (int32_t)rectangle->height;
     job.key = key_of(renderer, state, job.block.counts[0]);
     renderer->last_features = gw_features_of_frame(state, job.block.counts[0], renderer->scene_features);
-    job.counters.rays = (uint64_t)rectangle->width * rectangle->height;
+    job.sample_block = state->sample_block < 3 ? state->sample_block : 3;
+    if (!(job.key.features & GW_FEATURE_SPARSE))
+        job.counters.rays = (uint64_t)rectangle->width * rectangle->height;
     gw_scene_buffers_bind(&renderer->buffers, state->texture_filter);
     code = render_chunks(&job, error);
     if (code)

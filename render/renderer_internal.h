@@ -5,6 +5,7 @@
 #include "render/features.h"
 #include "render/renderer.h"
 #include "render/scene_buffers.h"
+#include "render/sparse.h"
 
 /* Storage bindings of trace/primary.comp, trace/rays.comp and shade/shade.comp. */
 enum gw_binding {
@@ -16,7 +17,9 @@ enum gw_binding {
     GW_BINDING_NEXT_QUEUE = 5,
     GW_BINDING_WORK = 6,
     GW_BINDING_SUMS = 7,
-    GW_BINDING_PIXELS = 8
+    GW_BINDING_PIXELS = 8,
+    GW_BINDING_SAMPLES = 9,
+    GW_BINDING_BLOCKS = 10
 };
 
 enum { GW_BLOCK_SIDE = 8, GW_BLOCK_PIXELS = 64 };
@@ -42,6 +45,8 @@ struct gw_renderer {
     gw_ray_buffers rays;
     gw_gl_buffer totals, frame;
     gw_gl_buffer given_rays, found_hits; /* of gw_renderer_trace */
+    gw_sparse sparse;                    /* of the present chunk */
+    gw_gl_buffer samples, blocks;        /* the same on the GPU; exist only if a frame was sparse */
     uint32_t *host_pixels;               /* of one chunk */
     size_t host_pixel_capacity;
 };

@@ -65,6 +65,13 @@ GW_STRUCT_END(gw_gpu_light)
 // First word of a triangle's first fourth component, in the renderer's copy.
 #define GW_TRIANGLE_ALPHA 1u // its material masks or blends: what it covers is decided where it is hit
 
+// Sparse samples (render/sparse.h). A sample: pixel relative to the rim of the chunk, x in bits 0-13, y in 14-27; log2 of its side in
+// bits 28-29. A block of 8 x 8 pixels: slot of its first sample in bits 0-29, log2 of their side in bits 30-31; a block's
+// samples stand in Morton order.
+#define GW_NO_SAMPLE 0xffffffffu
+#define GW_BLOCK_FIRST(word) ((word) & 0x3fffffffu)
+#define GW_BLOCK_RATE(word) ((word) >> 30)
+
 // What one ray met, 3 words: triangle id, or node index with GW_FRAGMENT_VOXEL; t; weight 0..1.
 #define GW_FRAGMENT_VOXEL 0x80000000u
 #define GW_FRAGMENT_WORDS 3u

@@ -3,6 +3,7 @@
 //
 // variants: OCTREE_DEPTH=11; OCTREE_DEPTH=11 LOD=1 GAZE=1 TEXTURES=1 TEXTURE_CLASSES=4 SMOOTH_NORMALS=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 ALPHA=1 RESUME=1 VERTEX_COLORS=1 EMISSIVE=1 POINT_LIGHTS=1 DIRECTIONAL_LIGHTS=1 COUNT=1
+// variants: OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 DEBUG_VIEW=1; OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=2; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=4
 #ifndef OCTREE_DEPTH
 #define OCTREE_DEPTH 11
@@ -63,11 +64,6 @@ vec3 finish(vec4 sum, float left) {
     return met + behind * frame.background.rgb;
 }
 
-uint encode(vec3 color) {
-    uvec3 bytes = uvec3(srgb_encode(color) * 255.0 + 0.5);
-    return bytes.r | (bytes.g << 8) | (bytes.b << 16) | 0xff000000u;
-}
-
 void main() {
     uint at = (group_base + gl_WorkGroupID.x) * 64u + gl_LocalInvocationIndex;
 #ifdef RESUME
@@ -80,7 +76,7 @@ void main() {
     uvec2 status = statuses[slot];
     if (!present || (status.x & GW_STATUS_OUTSIDE) != 0u)
         return;
-    Pixel_ray ray = ray_of_pixel(pixel_of_slot(slot));
+    Pixel_ray ray = ray_of_square(square_of_slot(slot));
     vec3 view = -normalize(ray.direction);
     uint count = GW_STATUS_COUNT(status.x);
     float left = uintBitsToFloat(status.y);
@@ -127,5 +123,9 @@ void main() {
         atomicAdd(totals[1], 1u);
         color = frame.background.rgb;
     }
-    pixels[slot] = encode(color);
+#ifdef SPARSE
+    sums[slot] = vec4(color, 1.0); // blend/reconstruct.comp makes pixels of it
+#else
+    pixels[slot] = encode_pixel(color);
+#endif
 }

@@ -1,9 +1,17 @@
 // Primary rays. A ray is a function of the plane and the wall-global pixel only: the same bits in whatever rectangle and
 // dispatch it is traced. Blocks of 8 x 8 pixels stand at wall-global multiples of 8; lanes run in Morton order.
+// With SPARSE a ray may stand for a square of 2, 4 or 8 pixels a side (render/sparse.h), listed by the host.
 #include "common/small_math.glsl"
 #ifdef GAZE
 #include "trace/gaze.glsl"
 #endif
+
+// The square of pixels that a ray stands for.
+struct Pixel_square {
+    ivec2 first; // wall-global
+    int side;
+    bool present; // false: padding at a list's end, or outside the rectangle
+};
 
 struct Pixel_ray {
     vec3 direction; // t = 1 on the wall's plane, in ray units
@@ -19,8 +27,23 @@ ivec2 pixel_of_slot(uint slot) {
                          ((lane >> 1) & 1u) | ((lane >> 2) & 2u) | ((lane >> 3) & 4u));
 }
 
+#ifdef SPARSE
+layout(std430, binding = 9) readonly buffer Samples { uint samples[]; };
+#endif
+
 bool in_window(ivec2 pixel) {
     return all(greaterThanEqual(pixel, frame.window.xy)) && all(lessThan(pixel, frame.window.zw));
+}
+
+Pixel_square square_of_slot(uint slot) {
+#ifdef SPARSE
+    uint word = samples[slot];
+    return Pixel_square(frame.chunk.xy - 8 + ivec2(word & 0x3fffu, (word >> 14) & 0x3fffu), 1 << ((word >> 28) & 3u),
+                        word != GW_NO_SAMPLE);
+#else
+    ivec2 pixel = pixel_of_slot(slot);
+    return Pixel_square(pixel, 1, in_window(pixel));
+#endif
 }
 
 // Width of a pixel's step as seen along the ray.
@@ -30,15 +53,16 @@ float width_across(vec3 pixel_step, vec3 direction, float inverse_squared) {
     return length_precise(across);
 }
 
-Pixel_ray ray_of_pixel(ivec2 pixel) {
+Pixel_ray ray_of_square(Pixel_square square) {
     Pixel_ray ray;
-    precise vec2 centre = vec2(pixel) + 0.5;
+    precise vec2 centre = vec2(square.first) + 0.5 * float(square.side);
     precise vec3 direction = frame.corner.xyz + frame.step_x.xyz * centre.x + frame.step_y.xyz * centre.y;
     ray.direction = direction;
     precise float inverse_squared =
         1.0 / max(direction.x * direction.x + direction.y * direction.y + direction.z * direction.z, 1e-30);
     ray.width = max(width_across(frame.step_x.xyz, direction, inverse_squared),
                     width_across(frame.step_y.xyz, direction, inverse_squared));
+    ray.width *= float(square.side);
     ray.tau = frame.accuracy.y;
 #ifdef GAZE
     if (frame.counts.x > 0u) {

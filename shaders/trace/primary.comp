@@ -3,6 +3,7 @@
 //
 // variants: OCTREE_DEPTH=11; OCTREE_DEPTH=11 LOD=1 GAZE=1 LEVEL_BLEND=1 LEAF_BLEND=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=15 ALPHA=1 COUNT=1 WIDE_NODES=1 DOUBLE_EDGES=1 RESUME=1
+// variants: OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=9 LOD=1 ALPHA=1 COUNT=1 RESUME=1 VOXELS_ONLY=1 FRAGMENTS=8u
 #ifndef OCTREE_DEPTH
 #define OCTREE_DEPTH 11
@@ -104,15 +105,15 @@ void main() {
     ray_slot = (group_base + gl_WorkGroupID.x) * 64u + gl_LocalInvocationIndex;
     bool present = true;
 #endif
-    ivec2 pixel = pixel_of_slot(ray_slot);
-    present = present && in_window(pixel);
+    Pixel_square square = square_of_slot(ray_slot);
+    present = present && square.present;
     if (!present) {
 #ifndef RESUME
         statuses[ray_slot] = uvec2(GW_STATUS_OUTSIDE, 0u);
 #endif
         return;
     }
-    Pixel_ray ray = ray_of_pixel(pixel);
+    Pixel_ray ray = ray_of_square(square);
     set_ray(frame.eye.xyz, ray.direction);
     begin(ray);
     walking = enter_root(0.0);

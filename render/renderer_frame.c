@@ -14,6 +14,7 @@ typedef struct frame_job {
     gw_kernel_key key;
     gw_frame_block block;
     GLuint trace, shade;
+    int may_be_sparse;     /* the frame calls for sparse samples; each chunk decides for itself */
     uint32_t sample_block; /* log2 of the side of the largest sample block */
     const gw_rectangle *rectangle;
     uint8_t *rgba;
@@ -130,20 +131,23 @@ static gw_code refill(gw_renderer *renderer, gw_gl_buffer *buffer, const char *n
     return code;
 }
 
-/* Lists the chunk's samples and puts them on the GPU. */
+/* Lists the chunk's samples and puts them on the GPU. A chunk that has a ray for each of its pixels needs
+ * neither list nor rim: it is rendered as in a frame without sparse samples, with the same bits. */
 static gw_code list_samples(frame_job *job, size_t block_count, gw_error *error) {
     gw_renderer *renderer = job->renderer;
     gw_sparse *sparse = &renderer->sparse;
     const int32_t *chunk = job->block.chunk;
     gw_code code = gw_sparse_list(sparse, &job->block, chunk[0] / GW_BLOCK_SIDE, chunk[1] / GW_BLOCK_SIDE,
                                   chunk[2], (int32_t)block_count / chunk[2], job->sample_block, error);
-    if (!code)
-        code = refill(renderer, &renderer->samples, "samples", sparse->samples, sparse->sample_count,
-                      GW_BINDING_SAMPLES, error);
+    job->key.features &= ~(uint32_t)GW_FEATURE_SPARSE;
+    if (code || (sparse->coarse_blocks == 0 && !(renderer->forced_features & GW_FEATURE_SPARSE)))
+        return code;
+    job->key.features |= GW_FEATURE_SPARSE;
+    code = refill(renderer, &renderer->samples, "samples", sparse->samples, sparse->sample_count,
+                  GW_BINDING_SAMPLES, error);
     if (!code)
         code = refill(renderer, &renderer->blocks, "sample blocks", sparse->blocks, sparse->block_count,
                       GW_BINDING_BLOCKS, error);
-    job->counters.rays += sparse->real_samples;
     return code;
 }
 
@@ -157,17 +161,32 @@ static gw_code reconstruct(frame_job *job, size_t pixel_slots, gw_error *error) 
                           (pixel_slots + GW_BLOCK_PIXELS - 1) / GW_BLOCK_PIXELS, error);
 }
 
+/* Pixels of the chunk that lie in the rectangle. */
+static uint64_t pixels_of_chunk(const frame_job *job) {
+    const int32_t *chunk = job->block.chunk, *window = job->block.window;
+    int64_t size[2] = {(int64_t)chunk[2] * GW_BLOCK_SIDE, (int64_t)(chunk[3] / chunk[2]) * GW_BLOCK_SIDE};
+    uint64_t pixels = 1;
+    for (int i = 0; i < 2; ++i) {
+        int64_t first = chunk[i] > window[i] ? chunk[i] : window[i];
+        int64_t end = chunk[i] + size[i] < window[2 + i] ? chunk[i] + size[i] : window[2 + i];
+        pixels *= end > first ? (uint64_t)(end - first) : 0;
+    }
+    return pixels;
+}
+
 static gw_code render_chunk(frame_job *job, size_t block_count, gw_error *error) {
     gw_renderer *renderer = job->renderer;
-    const int sparse = (job->key.features & GW_FEATURE_SPARSE) != 0;
+    int sparse = 0;
     size_t pixel_slots = block_count * GW_BLOCK_PIXELS, slots = pixel_slots;
     uint32_t totals[4] = {0};
     job->block.chunk[3] = (int32_t)block_count;
     gw_code code = gw_gl_buffer_write(&renderer->frame, 0, sizeof job->block, &job->block, error);
-    if (!code && sparse) {
+    if (!code && job->may_be_sparse) {
         code = list_samples(job, block_count, error);
-        slots = renderer->sparse.sample_count;
+        sparse = (job->key.features & GW_FEATURE_SPARSE) != 0;
+        slots = sparse ? renderer->sparse.sample_count : pixel_slots;
     }
+    job->counters.rays += sparse ? renderer->sparse.real_samples : pixels_of_chunk(job);
     if (!code)
         code = gw_renderer_clear_totals(renderer, error);
     if (!code)
@@ -205,7 +224,7 @@ static gw_code render_chunks(frame_job *job, gw_error *error) {
     int64_t first_y = block_of(r->y), end_y = block_of((int64_t)r->y + r->height - 1) + 1;
     int64_t limit = (int64_t)(gw_renderer_chunk_slots(job->renderer) / GW_BLOCK_PIXELS);
     int64_t most_columns = limit;
-    if (job->key.features & GW_FEATURE_SPARSE) {
+    if (job->may_be_sparse) {
         /* Larger chunks have less rim, and hold fewer samples than pixels. */
         limit *= 2;
         most_columns = GW_SPARSE_COLUMNS;
@@ -267,8 +286,7 @@ gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement,
     job.key = key_of(renderer, state, job.block.counts[0]);
     renderer->last_features = gw_features_of_frame(state, job.block.counts[0], renderer->scene_features);
     job.sample_block = state->sample_block < 3 ? state->sample_block : 3;
-    if (!(job.key.features & GW_FEATURE_SPARSE))
-        job.counters.rays = (uint64_t)rectangle->width * rectangle->height;
+    job.may_be_sparse = (job.key.features & GW_FEATURE_SPARSE) != 0;
     gw_scene_buffers_bind(&renderer->buffers, state->texture_filter);
     code = render_chunks(&job, error);
     if (code)

@@ -103,10 +103,14 @@ gw_code gw_sparse_list(gw_sparse *sparse, const gw_frame_block *block, int32_t x
         return code;
     sparse->block_count = 0;
     sparse->real_samples = 0;
+    sparse->coarse_blocks = 0;
     for (int32_t j = 0; j < rows + 2; ++j)
-        for (int32_t i = 0; i < columns + 2; ++i)
-            append_block(sparse, (uint32_t)i * SIDE, (uint32_t)j * SIDE,
-                         gw_sparse_rate(block, x + i - 1, y + j - 1, most));
+        for (int32_t i = 0; i < columns + 2; ++i) {
+            uint32_t rate = gw_sparse_rate(block, x + i - 1, y + j - 1, most);
+            int rim = i == 0 || j == 0 || i == columns + 1 || j == rows + 1;
+            sparse->coarse_blocks += rate > 0 && !rim;
+            append_block(sparse, (uint32_t)i * SIDE, (uint32_t)j * SIDE, rate);
+        }
     sparse->sample_count = sparse->real_samples;
     while (sparse->sample_count % GROUP != 0)
         sparse->samples[sparse->sample_count++] = GW_NO_SAMPLE;

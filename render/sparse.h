@@ -13,8 +13,9 @@
 
 /* Samples of one chunk of blocks and its rim, in the words of shaders/common/frame.h; they only grow. */
 typedef struct gw_sparse {
-    size_t sample_count; /* with padding to whole groups of 64 */
-    size_t real_samples; /* without */
+    size_t sample_count;  /* with padding to whole groups of 64 */
+    size_t real_samples;  /* without */
+    size_t coarse_blocks; /* of the chunk, not its rim: blocks with fewer rays than pixels */
     uint32_t *samples;
     size_t sample_capacity;
     size_t block_count;

@@ -178,6 +178,9 @@ static void unusable_gazes_are_left_out_and_counted(void **state) {
 static void frames_call_for_voxels_only_where_tau_allows_them(void **state) {
     (void)state;
     gw_frame_state frame = looking_state();
+    assert_int_equal(gw_features_of_frame(&frame, 1, 0),
+                     GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_SPARSE);
+    frame.sample_block = 0;
     assert_int_equal(gw_features_of_frame(&frame, 1, 0), GW_FEATURE_LOD | GW_FEATURE_GAZE);
     assert_int_equal(gw_features_of_frame(&frame, 0, 0), 0);
     frame.tau_inside = 0.5f;

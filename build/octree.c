@@ -136,18 +136,23 @@ static gw_code count_arrays(const gw_octree_builder *builder, gw_octree *octree,
     return GW_OK;
 }
 
-gw_code gw_octree_assemble(const gw_octree_builder *builder, gw_octree *octree, gw_error *error) {
-    uint32_t reference_base = 1, run = 0;
-    gw_code code = count_arrays(builder, octree, error);
-    if (code == GW_OK)
-        code = gw_allocate((void **)&octree->nodes, octree->node_count, sizeof *octree->nodes, "octree nodes",
-                           error);
+gw_code gw_octree_allocate(gw_octree *octree, gw_error *error) {
+    gw_code code = gw_allocate((void **)&octree->nodes, octree->node_count, sizeof *octree->nodes,
+                               "octree nodes", error);
     if (code == GW_OK)
         code = gw_allocate((void **)&octree->payloads, octree->node_count, sizeof *octree->payloads,
                            "octree payloads", error);
     if (code == GW_OK)
         code = gw_allocate((void **)&octree->references, octree->reference_count, sizeof *octree->references,
                            "octree references", error);
+    return code;
+}
+
+gw_code gw_octree_assemble(const gw_octree_builder *builder, gw_octree *octree, gw_error *error) {
+    uint32_t reference_base = 1, run = 0;
+    gw_code code = count_arrays(builder, octree, error);
+    if (code == GW_OK)
+        code = gw_octree_allocate(octree, error);
     if (code != GW_OK)
         return code;
     octree->references[0] = GW_REFERENCE_LAST;

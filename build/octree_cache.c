@@ -1,5 +1,7 @@
 #include "build/octree_cache.h"
 
+#include "build/octree_internal.h"
+
 #include "base/file.h"
 #include "base/memory.h"
 
@@ -230,14 +232,7 @@ static gw_code parse(const gw_bytes *file, gw_hash key, const gw_scene *scene, g
             file->size)
         code = gw_fail(error, GW_BAD_INPUT, "its counts are larger than its data");
     if (code == GW_OK)
-        code = gw_allocate((void **)&octree->nodes, octree->node_count, sizeof *octree->nodes, "octree nodes",
-                           error);
-    if (code == GW_OK)
-        code = gw_allocate((void **)&octree->payloads, octree->node_count, sizeof *octree->payloads,
-                           "octree payloads", error);
-    if (code == GW_OK)
-        code = gw_allocate((void **)&octree->references, octree->reference_count, sizeof *octree->references,
-                           "octree references", error);
+        code = gw_octree_allocate(octree, error);
     if (code == GW_OK)
         code = inflate_octree(file->data + HEADER, file->size - HEADER - TRAILER, octree, error);
     if (code == GW_OK)

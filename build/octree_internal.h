@@ -32,6 +32,9 @@ typedef struct gw_octree_builder {
     gw_octree_statistics statistics;
 } gw_octree_builder;
 
+/* Allocates nodes, payloads and references by octree's counts, all zero. */
+gw_code gw_octree_allocate(gw_octree *octree, gw_error *error);
+
 /* Uploads triangles and topology. */
 gw_code gw_octree_upload(gw_octree_builder *builder, gw_error *error);
 

@@ -1,6 +1,8 @@
 /* See frame_block.h. Angles survive the similarity from wall to rebased space, so gaze is computed there. */
 #include "render/frame_block.h"
 
+#include "render/vector3.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -14,25 +16,6 @@ typedef struct ray_space {
     const gw_similarity *placement;
     double scale; /* rebased units times ray scale per wall mm */
 } ray_space;
-
-static double dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3]) {
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static int normalise(double v[3]) {
-    double length = sqrt(dot(v, v));
-    if (!(length > 1e-12) || !isfinite(length))
-        return 0;
-    for (int i = 0; i < 3; ++i)
-        v[i] /= length;
-    return 1;
-}
 
 static int finite3(const double v[3]) {
     return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
@@ -67,19 +50,20 @@ static int fill_viewer(const ray_space *space, const double eye[3], const gw_gaz
         forward[i] = (double)gaze->direction[i];
         up[i] = (double)gaze->up[i];
     }
-    if (!finite3(offset) || !finite3(forward) || !normalise(forward) || !isfinite(gaze->half_width) ||
-        !isfinite(gaze->half_height) || !isfinite(gaze->age) || !(gaze->confidence > 0.0f))
+    if (!finite3(offset) || !finite3(forward) || !gw_normalise(forward, 1e-12) ||
+        !isfinite(gaze->half_width) || !isfinite(gaze->half_height) || !isfinite(gaze->age) ||
+        !(gaze->confidence > 0.0f))
         return 0;
-    cross(forward, up, right);
-    if (!finite3(up) || !normalise(right)) {
+    gw_cross(forward, up, right);
+    if (!finite3(up) || !gw_normalise(right, 1e-12)) {
         /* No usable up: the ellipse is oriented by the axis farthest from the gaze. */
         int axis = fabs(forward[1]) < 0.9 ? 1 : 0;
         const double fallback[3] = {axis == 0 ? 1.0 : 0.0, axis == 1 ? 1.0 : 0.0, 0.0};
-        cross(forward, fallback, right);
-        if (!normalise(right))
+        gw_cross(forward, fallback, right);
+        if (!gw_normalise(right, 1e-12))
             return 0;
     }
-    cross(right, forward, up);
+    gw_cross(right, forward, up);
     const ray_space axes = {space->placement, 1.0};
     to_ray_units(space, offset, out->eye);
     to_ray_units(&axes, right, out->right);
@@ -138,7 +122,7 @@ gw_code gw_frame_block_fill(const gw_scene *scene, const gw_octree *octree, cons
      */
     double per_mm = ldexp(1.0 / placement->scale, -scene->exponent);
     int distance = 0;
-    double length = sqrt(dot(corner, corner)) * per_mm;
+    double length = sqrt(gw_dot(corner, corner)) * per_mm;
     if (length > 0.0)
         frexp(length, &distance);
     const ray_space space = {placement, ldexp(per_mm, -distance)};

@@ -204,3 +204,14 @@ uint64_t gw_renderer_bytes(const gw_renderer *renderer) {
            rays->work.size + rays->sums.size + rays->pixels.size + renderer->samples.size +
            renderer->blocks.size;
 }
+
+void gw_counters_add(gw_counters *to, const gw_counters *from) {
+    to->rays += from->rays;
+    to->steps += from->steps;
+    to->node_loads += from->node_loads;
+    to->triangle_tests += from->triangle_tests;
+    to->voxels += from->voxels;
+    to->step_cap_hits += from->step_cap_hits;
+    to->nan_pixels += from->nan_pixels;
+    to->resumed += from->resumed;
+}

@@ -28,6 +28,7 @@ typedef struct gw_counters {
     uint64_t nan_pixels;    /* pixels replaced by the background; always counted */
     uint64_t resumed;       /* further dispatches of suspended rays, summed over rays; always counted */
 } gw_counters;
+void gw_counters_add(gw_counters *to, const gw_counters *from);
 
 typedef struct gw_renderer_options {
     int count; /* 1: count steps, loads, tests (slower, same pixels) */

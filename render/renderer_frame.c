@@ -244,17 +244,6 @@ static gw_code render_chunks(frame_job *job, gw_error *error) {
     return code;
 }
 
-static void add_counters(gw_counters *to, const gw_counters *from) {
-    to->rays += from->rays;
-    to->steps += from->steps;
-    to->node_loads += from->node_loads;
-    to->triangle_tests += from->triangle_tests;
-    to->voxels += from->voxels;
-    to->step_cap_hits += from->step_cap_hits;
-    to->nan_pixels += from->nan_pixels;
-    to->resumed += from->resumed;
-}
-
 gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement, const gw_plane *plane,
                           const gw_rectangle *rectangle, const gw_frame_state *state, uint8_t *rgba,
                           gw_counters *counters, gw_error *error) {
@@ -292,6 +281,6 @@ gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement,
     if (code)
         return gw_context(error, "frame %u", state->frame);
     if (counters)
-        add_counters(counters, &job.counters);
+        gw_counters_add(counters, &job.counters);
     return GW_OK;
 }

@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "base/portable_math.h"
+#include "render/vector3.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,10 +14,6 @@ void gw_sparse_finish(gw_sparse *sparse) {
     free(sparse->samples);
     free(sparse->blocks);
     *sparse = (gw_sparse){0};
-}
-
-static double dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 static double along(const double point[3], const float axis[4]) {
@@ -39,12 +36,12 @@ static double spacing_of(const gw_frame_block *block, const gw_viewer *viewer, c
     double half_angle = spread > 0 ? across / spread : half_height;
     double blurred = fmax(eccentricity - half_angle - (double)block->accuracy[3], 0);
     double pitch = 0.5 * ((double)block->acuity[1] + (double)block->acuity[0] * blurred) * (GW_PI / 180.0);
-    return sqrt(dot(towards, towards)) * fmin(pitch, 1.0);
+    return sqrt(gw_dot(towards, towards)) * fmin(pitch, 1.0);
 }
 
 /* Width of a pixel's step as seen from the rendering eye in the direction of point. */
 static double step_width(const float step[4], const double point[3]) {
-    double square = dot(point, point), part = square > 0 ? along(point, step) / square : 0, sum = 0;
+    double square = gw_dot(point, point), part = square > 0 ? along(point, step) / square : 0, sum = 0;
     for (int i = 0; i < 3; ++i) {
         double across = (double)step[i] - point[i] * part;
         sum += across * across;

@@ -1,6 +1,8 @@
 /* See view.h. Everything in double; callers round once, when numbers go to the GPU. */
 #include "render/view.h"
 
+#include "render/vector3.h"
+
 #include <math.h>
 
 /* FIT_BEHIND_WALL: share of the wall left free on each side together, and the air between the wall and the
@@ -9,25 +11,6 @@ static const double fit_margin = 0.05;
 static const double fit_gap = 50.0; /* mm */
 
 static const double identity[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-
-static double dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3]) {
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static int normalise(double v[3]) {
-    double length = sqrt(dot(v, v));
-    if (!(length > 0.0) || !isfinite(length))
-        return 0;
-    for (int i = 0; i < 3; ++i)
-        v[i] /= length;
-    return 1;
-}
 
 static void set_rotation(gw_similarity *out, const double rows[3][3]) {
     for (int i = 0; i < 3; ++i)
@@ -70,15 +53,15 @@ static gw_code from_viewpoint(const gw_scene *scene, const double neutral_eye[3]
     double forward[3], right[3], up[3];
     for (int i = 0; i < 3; ++i)
         forward[i] = view->look_at[i] - view->eye[i];
-    int ok = normalise(forward);
-    cross(forward, view->up, right);
-    ok = ok && normalise(right);
+    int ok = gw_normalise(forward, 0);
+    gw_cross(forward, view->up, right);
+    ok = ok && gw_normalise(right, 0);
     if (!ok)
         return gw_fail(error, GW_BAD_INPUT,
                        "viewpoint '%s' of scene %s has no direction: eye and look_at coincide or up is "
                        "parallel to the view",
                        view->name, scene->path ? scene->path : "(unnamed)");
-    cross(right, forward, up);
+    gw_cross(right, forward, up);
     for (int j = 0; j < 3; ++j) {
         out->rotation[0][j] = right[j];
         out->rotation[1][j] = up[j];
@@ -86,7 +69,7 @@ static gw_code from_viewpoint(const gw_scene *scene, const double neutral_eye[3]
     }
     out->scale = 1000.0 * (scene->placement.scale > 0.0 ? scene->placement.scale : 1.0);
     for (int i = 0; i < 3; ++i)
-        out->translation[i] = neutral_eye[i] - out->scale * dot(out->rotation[i], view->eye);
+        out->translation[i] = neutral_eye[i] - out->scale * gw_dot(out->rotation[i], view->eye);
     return GW_OK;
 }
 
@@ -96,7 +79,7 @@ static gw_code from_matrix(const gw_scene *scene, gw_similarity *out, gw_error *
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j)
             rows[i][j] = m[i][j];
-        length[i] = sqrt(dot(rows[i], rows[i]));
+        length[i] = sqrt(gw_dot(rows[i], rows[i]));
         out->translation[i] = m[i][3];
     }
     double scale = (length[0] + length[1] + length[2]) / 3.0;
@@ -107,8 +90,8 @@ static gw_code from_matrix(const gw_scene *scene, gw_similarity *out, gw_error *
             rows[i][j] /= length[i];
     }
     double turned[3];
-    cross(rows[0], rows[1], turned);
-    ok = ok && fabs(dot(rows[0], rows[1])) < 1e-6 && dot(turned, rows[2]) > 1.0 - 1e-6;
+    gw_cross(rows[0], rows[1], turned);
+    ok = ok && fabs(gw_dot(rows[0], rows[1])) < 1e-6 && gw_dot(turned, rows[2]) > 1.0 - 1e-6;
     if (!ok)
         return gw_fail(
             error, GW_BAD_INPUT,
@@ -138,7 +121,7 @@ gw_code gw_place_scene(const gw_scene *scene, double wall_width, double wall_hei
 void gw_scene_to_wall(const gw_similarity *placement, const double scene[3], double wall[3]) {
     double out[3];
     for (int i = 0; i < 3; ++i)
-        out[i] = placement->scale * dot(placement->rotation[i], scene) + placement->translation[i];
+        out[i] = placement->scale * gw_dot(placement->rotation[i], scene) + placement->translation[i];
     for (int i = 0; i < 3; ++i)
         wall[i] = out[i];
 }

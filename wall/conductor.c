@@ -206,28 +206,9 @@ static gw_code add_up(gw_conductor *conductor, const struct gw_rank *rank, const
         pixels[i] = tile ? tile->pixels : rank->pixels;
         double milliseconds = (double)done->render_ns * 1e-6;
         *slowest = milliseconds > *slowest ? milliseconds : *slowest;
-        const gw_counters *c = &done->counters;
-        sum->rays += c->rays;
-        sum->steps += c->steps;
-        sum->node_loads += c->node_loads;
-        sum->triangle_tests += c->triangle_tests;
-        sum->voxels += c->voxels;
-        sum->step_cap_hits += c->step_cap_hits;
-        sum->nan_pixels += c->nan_pixels;
-        sum->resumed += c->resumed;
+        gw_counters_add(sum, &done->counters);
     }
     return GW_OK;
-}
-
-static void add_counters(gw_counters *to, const gw_counters *from) {
-    to->rays += from->rays;
-    to->steps += from->steps;
-    to->node_loads += from->node_loads;
-    to->triangle_tests += from->triangle_tests;
-    to->voxels += from->voxels;
-    to->step_cap_hits += from->step_cap_hits;
-    to->nan_pixels += from->nan_pixels;
-    to->resumed += from->resumed;
 }
 
 static void write_row(gw_conductor *conductor, uint32_t frame, const gw_counters *sum, double presented,
@@ -324,7 +305,7 @@ static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_
     code = add_up(conductor, rank, &own, release.state.frame, pixels, &sum, &slowest, error);
     if (code)
         return code;
-    add_counters(&conductor->counters, &sum);
+    gw_counters_add(&conductor->counters, &sum);
     if (conductor->rows)
         write_row(conductor, frame, &sum, (double)(end - start) * 1e-6, slowest);
     if (rank->options.out)

@@ -9,6 +9,7 @@
 #include "build/import.h"
 #include "build/octree.h"
 #include "render/renderer.h"
+#include "render/vector3.h"
 #include "tests/support/meshes.h"
 
 #include <embree3/rtcore.h>
@@ -59,16 +60,6 @@ static void vertex_of(const gw_scene *scene, uint32_t triangle, int corner, doub
         out[k] = p[k];
 }
 
-static double dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3]) {
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 /* 0 when the ray is parallel to the plane. */
 static int cross_triangle(const gw_scene *scene, uint32_t triangle, const gw_ray *ray, crossing *out) {
     double v[3][3], e1[3], e2[3], n[3], o[3], d[3], s[3], p[3];
@@ -81,20 +72,20 @@ static int cross_triangle(const gw_scene *scene, uint32_t triangle, const gw_ray
         d[k] = ray->direction[k];
         s[k] = v[0][k] - o[k];
     }
-    cross(e1, e2, n);
-    double along = dot(n, d), square = dot(n, n);
+    gw_cross(e1, e2, n);
+    double along = gw_dot(n, d), square = gw_dot(n, n);
     if (along == 0 || square == 0)
         return 0;
-    out->t = dot(n, s) / along;
-    out->grazing = fabs(along) / sqrt(square * dot(d, d));
+    out->t = gw_dot(n, s) / along;
+    out->grazing = fabs(along) / sqrt(square * gw_dot(d, d));
     double w[3], a[3], b[3];
     for (int k = 0; k < 3; ++k) {
         p[k] = o[k] + d[k] * out->t;
         w[k] = p[k] - v[0][k];
     }
-    cross(w, e2, a);
-    cross(e1, w, b);
-    double second = dot(a, n) / square, third = dot(b, n) / square;
+    gw_cross(w, e2, a);
+    gw_cross(e1, w, b);
+    double second = gw_dot(a, n) / square, third = gw_dot(b, n) / square;
     out->margin = fmin(fmin(second, third), 1 - second - third);
     return 1;
 }

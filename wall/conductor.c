@@ -177,6 +177,13 @@ static int64_t patience_of(const gw_conductor *conductor, const struct gw_rank *
     return (int64_t)(seconds * 1e9);
 }
 
+/* The launcher watches rank 0 as rank 0 watches the tiles: each stretch of work is announced with the time
+ * that it may take. Pictures of so many pixels are written in it; 3 s a million is many times what that
+ * needs. */
+static void promise(struct gw_rank *rank, int64_t patience, double pixels) {
+    gw_link_promise(&rank->line, (double)patience * 1e-9 + 10 + 3e-6 * pixels);
+}
+
 static void note_loss(gw_conductor *conductor, const struct gw_rank *rank, uint32_t tile, uint32_t frame,
                       const char *why) {
     conductor->lost_frame[tile] = frame;
@@ -292,8 +299,12 @@ static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_
         return code;
     gw_done own;
     uint32_t lost = 0;
+    const int64_t patience = patience_of(conductor, rank, frame);
+    const double wall = (double)rank->layout.picture[0] * rank->layout.picture[1];
+    promise(rank, patience, wall);
     gw_rank_draw(rank, &release, &own);
-    code = gw_gate_collect(conductor->gate, patience_of(conductor, rank, frame), &lost, error);
+    promise(rank, patience, wall);
+    code = gw_gate_collect(conductor->gate, patience, &lost, error);
     if (code)
         return code;
     int64_t end = gw_now_ns();
@@ -308,6 +319,7 @@ static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_
     gw_counters_add(&conductor->counters, &sum);
     if (conductor->rows)
         write_row(conductor, frame, &sum, (double)(end - start) * 1e-6, slowest);
+    promise(rank, 0, 4 * wall);
     if (rank->options.out)
         code = write_pictures(conductor, rank, &release, pixels, error);
     else if (release.last)
@@ -384,6 +396,7 @@ gw_code gw_conductor_run(gw_conductor *conductor, struct gw_rank *rank, gw_error
         gw_log_progress(&rank->line.log, "drawing frames", (double)frame / conductor->frame_count);
         code = draw_frame(conductor, rank, frame, start, error);
     }
+    promise(rank, patience_of(conductor, rank, 0), 0);
     gw_gate_quit(conductor->gate);
     return code ? code : finish(conductor, rank, error);
 }

@@ -6,6 +6,7 @@
 #include <fcntl.h>
 #include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/random.h>
 #include <sys/socket.h>
@@ -85,6 +86,11 @@ void gw_link_send(gw_link *line, gw_link_kind kind, int32_t value, const char *t
     send_message(line, &message, text, 0);
 }
 
+void gw_link_promise(gw_link *line, double seconds) {
+    gw_link_message message = {.kind = GW_LINK_PROMISE, .fraction = seconds};
+    send_message(line, &message, "", MSG_DONTWAIT);
+}
+
 static void send_line(void *context, gw_log_level level, const char *text) {
     gw_link_message message = {.kind = GW_LINK_LOG, .value = (int32_t)level};
     send_message(context, &message, text, MSG_DONTWAIT);
@@ -116,6 +122,7 @@ gw_code gw_link_connect(const char *name, int rank, gw_log_level threshold, gw_l
     struct timeval patience = {.tv_sec = 5};
     setsockopt(out->socket, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
     out->log = (gw_log){.threshold = threshold, .context = out, .line = send_line, .progress = send_progress};
-    gw_link_send(out, GW_LINK_HELLO, rank, "");
+    const char *job = getenv("OMPI_MCA_ess_base_jobid");
+    gw_link_send(out, GW_LINK_HELLO, rank, job ? job : "");
     return GW_OK;
 }

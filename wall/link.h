@@ -13,10 +13,11 @@
 #include <sys/types.h>
 
 typedef enum gw_link_kind {
-    GW_LINK_HELLO,    /* first: value is the rank */
+    GW_LINK_HELLO,    /* first: value is the rank, text MPI's number of the run */
     GW_LINK_LOG,      /* value is the gw_log_level */
     GW_LINK_PROGRESS, /* text is what, fraction how much */
     GW_LINK_READY,    /* this rank could draw frame 1 */
+    GW_LINK_PROMISE,  /* rank 0: it will be heard again within `fraction` seconds, or it hangs */
     GW_LINK_PRINT,    /* a line for standard output */
     GW_LINK_FAILED,   /* value is a gw_code, text the sentence */
     GW_LINK_LEFT,     /* this rank leaves because it was told to */
@@ -25,7 +26,7 @@ typedef enum gw_link_kind {
 
 typedef struct gw_link_message {
     int32_t kind, value;
-    double fraction;
+    double fraction; /* 0 to 1; of a promise: seconds */
     char text[2048]; /* ends with a zero byte; only the used part travels */
 } gw_link_message;
 
@@ -44,7 +45,8 @@ typedef struct gw_link {
 } gw_link;
 
 gw_code gw_link_connect(const char *name, int rank, gw_log_level threshold, gw_link *out, gw_error *error);
-/* Log lines and progress are dropped when the launcher does not read; all else waits up to 5 s. */
+/* Log lines, progress and promises are dropped when the launcher does not read; all else waits up to 5 s. */
 void gw_link_send(gw_link *line, gw_link_kind kind, int32_t value, const char *text);
+void gw_link_promise(gw_link *line, double seconds);
 
 #endif

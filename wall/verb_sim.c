@@ -8,6 +8,7 @@
 #include "wall/console.h"
 #include "wall/interrupt.h"
 #include "wall/link.h"
+#include "wall/mpirun_sweep.h"
 #include "wall/share.h"
 #include "wall/sim_options.h"
 
@@ -45,6 +46,8 @@ typedef struct launcher {
     rank_line ranks[GW_MAXIMUM_TILES];
     uint32_t rank_count;
     uint32_t ready_count;
+    int64_t promised;        /* ns, when rank 0 must have been heard again; 0: it has not begun */
+    uint32_t job;            /* MPI's number of this run, or 0 */
     int has_result;          /* rank 0 has told how the run ended */
     int interrupted;         /* signal number, or 0 */
     gw_error result;         /* code GW_OK until something else is known */
@@ -201,6 +204,7 @@ static void take_message(launcher *l, rank_line *r, const gw_link_message *m) {
     switch ((gw_link_kind)m->kind) {
     case GW_LINK_HELLO:
         r->number = m->value;
+        l->job = (uint32_t)strtoul(m->text, NULL, 10);
         gw_log_write(&l->console.log, GW_LOG_DEBUG, "rank %d (tile %s) is process %ld", r->number,
                      tile_name(l, r), (long)r->pid);
         break;
@@ -213,6 +217,9 @@ static void take_message(launcher *l, rank_line *r, const gw_link_message *m) {
     case GW_LINK_READY:
         r->ready = 1;
         l->ready_count++;
+        break;
+    case GW_LINK_PROMISE:
+        l->promised = gw_now_ns() + (int64_t)(m->fraction * 1e9);
         break;
     case GW_LINK_PRINT:
         gw_console_finish(&l->console);
@@ -357,6 +364,9 @@ static void watch(launcher *l) {
             step(l, 0); /* what the ranks said last may still be in their lines */
             blame_mpirun(l);
         }
+        if (l->promised && gw_now_ns() > l->promised)
+            conclude(l, GW_ENDED_EARLY, "rank 0 (tile %s) hangs: it was not heard when it should have been",
+                     l->layout.tiles[0].name);
         if (l->ready_count < l->layout.tile_count && gw_now_ns() > deadline) {
             conclude(l, GW_ENDED_EARLY,
                      "only %" PRIu32 " of %" PRIu32 " ranks were ready after %.0f s; raise --load-deadline",
@@ -406,6 +416,7 @@ static void end_all(launcher *l) {
         signal_all(l, SIGKILL);
         wait_until_gone(l, GRACE_MS);
     }
+    gw_mpirun_sweep(l->mpirun, l->job);
     gw_share_sweep();
 }
 

@@ -73,6 +73,31 @@ has "rank 0: it is told by name" "$(cat first.log)" "rank 0 (tile c0r0"
 sleep 0.5
 is "rank 0: no process is left" "$(pgrep -f -- "--out first" | wc -l)" 0
 
+# --- rank 0 hangs: nobody but the launcher can notice
+timeout 300 "$program" sim --scene sheet.obj --set octree_depth=5 --tiles 2x1 --size 96x32 --frames 2000 --frame-deadline 1 --log debug --out hang >hang.out 2>hang.log &
+launcher=$!
+wait_for hang/wall-0002.png
+kill -STOP "$(pid_of hang.log 0)"
+wait $launcher
+is "rank 0 hangs: exit code" $? 4
+has "rank 0 hangs: it is told by name" "$(cat hang.log)" "rank 0 (tile c0r0) hangs"
+is "rank 0 hangs: no process is left" "$(pgrep -f -- "--out hang" | wc -l)" 0
+
+# --- mpirun is killed: the launcher removes what it leaves
+timeout 300 "$program" sim --scene sheet.obj --set octree_depth=5 --tiles 2x1 --size 96x32 --frames 2000 --log debug --out orphans >orphans.out 2>orphans.log &
+launcher=$!
+wait_for orphans/wall-0002.png
+victim=$(pgrep -f -- "^mpirun .*--out orphans")
+is "mpirun killed: it has a session folder" "$(find "${TMPDIR:-/tmp}" -maxdepth 2 -path "*/ompi.*/pid.$victim" 2>/dev/null | wc -l)" 1
+mapfile -t segments < <(grep -o '/dev/shm/vader_segment[^ ]*' "/proc/$(pid_of orphans.log 1)/maps" | sort -u)
+is "mpirun killed: it has segments of shared memory" $((${#segments[@]} > 0)) 1
+kill -KILL "$victim"
+wait $launcher
+is "mpirun killed: exit code" $? 4
+is "mpirun killed: no process is left" "$(pgrep -f -- "--out orphans" | wc -l)" 0
+is "mpirun killed: no session folder" "$(find "${TMPDIR:-/tmp}" -maxdepth 2 -path "*/ompi.*/pid.$victim" 2>/dev/null | wc -l)" 0
+is "mpirun killed: the segments are gone" "$(ls "${segments[@]}" 2>/dev/null)" ""
+
 # --- a tile that cannot write its pictures: the run ends with that error
 mkdir -p full/tile-c1r0-0000.png
 timeout 300 "$program" sim --scene sheet.obj --set octree_depth=5 --tiles 2x1 --size 96x32 --out full >full.out 2>full.log

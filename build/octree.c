@@ -199,6 +199,8 @@ void gw_octree_hash(gw_octree *octree) {
     hash = gw_hash_bytes(hash, octree->nodes, (size_t)gw_octree_node_bytes(octree));
     hash = gw_hash_bytes(hash, octree->payloads, (size_t)gw_octree_payload_bytes(octree));
     hash = gw_hash_bytes(hash, octree->references, (size_t)gw_octree_reference_bytes(octree));
+    if (octree->emissions)
+        hash = gw_hash_bytes(hash, octree->emissions, (size_t)gw_octree_emission_bytes(octree));
     octree->hash = hash;
 }
 
@@ -260,6 +262,7 @@ void gw_octree_destroy(gw_octree **octree) {
         free((*octree)->nodes);
         free((*octree)->payloads);
         free((*octree)->references);
+        free((*octree)->emissions);
     }
     free(*octree);
     *octree = NULL;
@@ -275,4 +278,8 @@ uint64_t gw_octree_payload_bytes(const gw_octree *octree) {
 
 uint64_t gw_octree_reference_bytes(const gw_octree *octree) {
     return (uint64_t)octree->reference_count * sizeof *octree->references;
+}
+
+uint64_t gw_octree_emission_bytes(const gw_octree *octree) {
+    return octree->emissions ? (uint64_t)octree->node_count * sizeof *octree->emissions : 0;
 }

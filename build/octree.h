@@ -45,8 +45,9 @@ typedef struct gw_octree {
     gw_node *nodes;                               /* [node_count] */
     gw_payload *payloads;                         /* [node_count] */
     uint32_t *references;                         /* [reference_count], entry 0 reserved */
-    gw_hash hash;                                 /* of depth, nodes, payloads, references */
-    int borrowed; /* 1: the arrays belong to somebody else (a shared segment) */
+    uint32_t *emissions; /* [node_count] emitted radiance; NULL when no material in use emits light */
+    gw_hash hash;        /* of depth, nodes, payloads, references */
+    int borrowed;        /* 1: the arrays belong to somebody else (a shared segment) */
     gw_octree_statistics statistics;
 } gw_octree;
 
@@ -74,5 +75,6 @@ void gw_octree_hash(gw_octree *octree);
 uint64_t gw_octree_node_bytes(const gw_octree *octree);
 uint64_t gw_octree_payload_bytes(const gw_octree *octree);
 uint64_t gw_octree_reference_bytes(const gw_octree *octree);
+uint64_t gw_octree_emission_bytes(const gw_octree *octree); /* 0 without emission */
 
 #endif

@@ -16,7 +16,7 @@
 #include <zlib.h>
 
 enum {
-    VERSION = 1,
+    VERSION = 2,
     CODEC_ZLIB = 1,
     STATISTICS = 16,
     LEVELS = GW_OCTREE_MAXIMUM_DEPTH + 2,
@@ -26,7 +26,9 @@ enum {
     AT_HASH = 32,
     AT_COUNTS = 48,
     AT_LEVELS = 64,
+    AT_EMISSION = 132,
     AT_STATISTICS = 136,
+    SPANS = 4,
     AT_STREAM_SIZE = 264,
     HEADER = 272,
     TRAILER = 16,
@@ -92,10 +94,11 @@ typedef struct span {
     size_t size;
 } span;
 
-static void octree_spans(const gw_octree *octree, span spans[3]) {
+static void octree_spans(const gw_octree *octree, span spans[SPANS]) {
     spans[0] = (span){(uint8_t *)octree->nodes, (size_t)gw_octree_node_bytes(octree)};
     spans[1] = (span){(uint8_t *)octree->payloads, (size_t)gw_octree_payload_bytes(octree)};
     spans[2] = (span){(uint8_t *)octree->references, (size_t)gw_octree_reference_bytes(octree)};
+    spans[3] = (span){(uint8_t *)octree->emissions, (size_t)gw_octree_emission_bytes(octree)};
 }
 
 /* What zlib takes at once: its counters have 32 bits. */
@@ -119,14 +122,14 @@ static gw_code inflate_span(z_stream *stream, const span *s, const uint8_t *end,
 }
 
 static gw_code inflate_octree(const uint8_t *data, size_t size, const gw_octree *octree, gw_error *error) {
-    span spans[3];
+    span spans[SPANS];
     z_stream stream = {0};
     gw_code code = GW_OK;
     if (inflateInit(&stream) != Z_OK)
         return gw_fail(error, GW_MACHINE, "zlib cannot start");
     stream.next_in = (Bytef *)(uintptr_t)data;
     octree_spans(octree, spans);
-    for (int i = 0; i < 3 && code == GW_OK; ++i)
+    for (int i = 0; i < SPANS && code == GW_OK; ++i)
         code = inflate_span(&stream, &spans[i], data + size, error);
     inflateEnd(&stream);
     return code;
@@ -233,6 +236,9 @@ static gw_code parse(const gw_bytes *file, gw_hash key, const gw_scene *scene, g
         code = gw_fail(error, GW_BAD_INPUT, "its counts are larger than its data");
     if (code == GW_OK)
         code = gw_octree_allocate(octree, error);
+    if (code == GW_OK && get_u32(file->data + AT_EMISSION) != 0)
+        code = gw_allocate((void **)&octree->emissions, octree->node_count, sizeof *octree->emissions,
+                           "emissions of voxels", error);
     if (code == GW_OK)
         code = inflate_octree(file->data + HEADER, file->size - HEADER - TRAILER, octree, error);
     if (code == GW_OK)
@@ -298,14 +304,14 @@ static gw_code deflate_span(z_stream *stream, const span *s, int last, output *o
 }
 
 static gw_code compress_octree(const gw_octree *octree, output *out, gw_error *error) {
-    span spans[3];
+    span spans[SPANS];
     z_stream stream = {0};
     gw_code code = GW_OK;
     if (deflateInit(&stream, COMPRESSION_LEVEL) != Z_OK)
         return gw_fail(error, GW_MACHINE, "zlib cannot start");
     octree_spans(octree, spans);
-    for (int i = 0; i < 3 && code == GW_OK; ++i)
-        code = deflate_span(&stream, &spans[i], i == 2, out, error);
+    for (int i = 0; i < SPANS && code == GW_OK; ++i)
+        code = deflate_span(&stream, &spans[i], i == SPANS - 1, out, error);
     deflateEnd(&stream);
     return code;
 }
@@ -324,6 +330,7 @@ static void write_header(uint8_t *data, gw_hash key, const gw_octree *octree, ui
     for (int l = 0; l < LEVELS; ++l)
         put_u32(data + AT_LEVELS + 4 * l, octree->level_begin[l]);
     put_statistics(data + AT_STATISTICS, &octree->statistics);
+    put_u32(data + AT_EMISSION, octree->emissions != NULL);
     put_u64(data + AT_STREAM_SIZE, stream_size);
 }
 

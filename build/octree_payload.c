@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { GROUP = 64, LIST_LIMIT = 256, SUM_BYTES = 64, SINGLE = (int)0x80000000u };
+enum { GROUP = 64, LIST_LIMIT = 256, ROW_BYTES = 16, SINGLE = (int)0x80000000u };
 enum {
     LOCATION_JOB_COUNT = 1,
     LOCATION_NODE_FIRST,
@@ -23,9 +23,10 @@ typedef struct payload_stage {
     gw_octree_builder *builder;
     gw_octree *octree;
     gw_gl_buffer references, faces, vertices, materials, chains, texels, thresholds;
-    gw_gl_buffer sums, below; /* [node of the level][4] of the present level and the one below it */
+    gw_gl_buffer sums, below; /* [node of the level][rows] of the present level and the one below it */
     GLuint leaf_program, inner_program, encode_program;
     uint32_t window_nodes; /* nodes whose sums fit in one storage block */
+    size_t sum_bytes;      /* of one node: four rows, a fifth with emission */
 } payload_stage;
 
 static void finish_stage(payload_stage *stage) {
@@ -74,7 +75,7 @@ static gw_code upload_faces(payload_stage *stage, gw_error *error) {
 static gw_code upload_materials(payload_stage *stage, gw_error *error) {
     const gw_scene *scene = stage->builder->scene;
     gw_texture_chains chains = {0};
-    float(*materials)[2][4] = NULL;
+    float(*materials)[3][4] = NULL;
     uint32_t(*links)[4] = NULL;
     gw_code code = gw_texture_chains_init(scene, (uint32_t)stage->builder->settings->payload_texture_side,
                                           &chains, error);
@@ -88,6 +89,7 @@ static gw_code upload_materials(payload_stage *stage, gw_error *error) {
                                  material->alpha_cutoff};
         memcpy(materials[m][0], material->base_color, sizeof material->base_color);
         memcpy(materials[m][1], finish, sizeof finish);
+        memcpy(materials[m][2], material->emissive, sizeof material->emissive);
         if (chains.chain_of[m] >= 0) {
             const gw_texture_chain *chain = &chains.chains[chains.chain_of[m]];
             const gw_texture *texture = &scene->textures[material->base_color_texture];
@@ -125,29 +127,46 @@ static gw_code upload_thresholds(payload_stage *stage, gw_error *error) {
                                &stage->thresholds, error);
 }
 
+/* Whether a material that some triangle has emits light. */
+static int scene_emits(const gw_scene *scene) {
+    for (uint32_t t = 0; t < scene->triangle_count; ++t) {
+        const float *emissive = scene->materials[scene->material_of[t]].emissive;
+        if (emissive[0] > 0 || emissive[1] > 0 || emissive[2] > 0)
+            return 1;
+    }
+    return 0;
+}
+
 /* The leaf kernel reads only what the scene has. */
-static void leaf_defines(const gw_scene *scene, char *text, size_t size) {
+static void leaf_defines(const gw_scene *scene, const char *emission, char *text, size_t size) {
     int normals = 0, textures = 0;
     for (size_t i = 0; !normals && i < (size_t)scene->vertex_count * 3; ++i)
         normals = scene->normals[i] != 0;
     for (uint32_t m = 0; !textures && m < scene->material_count; ++m)
         textures = scene->materials[m].base_color_texture >= 0;
-    snprintf(text, size, "%s%s%s", normals ? "#define GW_NORMALS 1\n" : "",
+    snprintf(text, size, "%s%s%s%s", emission, normals ? "#define GW_NORMALS 1\n" : "",
              textures ? "#define GW_TEXTURES 1\n" : "", scene->colors ? "#define GW_COLORS 1\n" : "");
 }
 
 static gw_code start_stage(payload_stage *stage, gw_error *error) {
     gw_gl *device = stage->builder->device;
-    uint64_t nodes = (uint64_t)gw_gl_limits_of(device)->storage_block_bytes / SUM_BYTES;
-    /* A window begins at a multiple of 16 nodes, 1024 bytes: every driver's offset alignment divides that. */
+    int emits = scene_emits(stage->builder->scene);
+    const char *emission = emits ? "#define GW_EMISSION 1\n" : "";
+    stage->sum_bytes = (size_t)(emits ? 5 : 4) * ROW_BYTES;
+    uint64_t nodes = (uint64_t)gw_gl_limits_of(device)->storage_block_bytes / stage->sum_bytes;
+    /* A window begins at a multiple of 16 nodes, 1024 or 1280 bytes: every driver's offset alignment divides
+     * that. */
     stage->window_nodes = (uint32_t)(nodes < (1u << 30) ? nodes : 1u << 30) & ~15u;
     char defines[128];
-    leaf_defines(stage->builder->scene, defines, sizeof defines);
+    leaf_defines(stage->builder->scene, emission, defines, sizeof defines);
     gw_code code = gw_gl_program(device, "build/payload_leaf.comp", defines, &stage->leaf_program, error);
+    if (code == GW_OK && emits)
+        code = gw_allocate((void **)&stage->octree->emissions, stage->octree->node_count,
+                           sizeof *stage->octree->emissions, "emissions of voxels", error);
     if (code == GW_OK)
-        code = gw_gl_program(device, "build/payload_inner.comp", NULL, &stage->inner_program, error);
+        code = gw_gl_program(device, "build/payload_inner.comp", emission, &stage->inner_program, error);
     if (code == GW_OK)
-        code = gw_gl_program(device, "build/payload_encode.comp", NULL, &stage->encode_program, error);
+        code = gw_gl_program(device, "build/payload_encode.comp", emission, &stage->encode_program, error);
     if (code == GW_OK)
         code = gw_gl_buffer_create(device, "references", (size_t)gw_octree_reference_bytes(stage->octree),
                                    stage->octree->references, GL_R32UI, &stage->references, error);
@@ -160,8 +179,9 @@ static gw_code start_stage(payload_stage *stage, gw_error *error) {
 
 /* The sums of nodes [first, first + count) of the level as storage binding 0. */
 static void bind_sums(const payload_stage *stage, uint32_t first, uint32_t count) {
-    glBindBufferRange(GL_SHADER_STORAGE_BUFFER, 0, stage->sums.id, (GLintptr)((size_t)first * SUM_BYTES),
-                      (GLsizeiptr)((size_t)count * SUM_BYTES));
+    glBindBufferRange(GL_SHADER_STORAGE_BUFFER, 0, stage->sums.id,
+                      (GLintptr)((size_t)first * stage->sum_bytes),
+                      (GLsizeiptr)((size_t)count * stage->sum_bytes));
 }
 
 static gw_code run_jobs(payload_stage *stage, GLuint program, const uint32_t (*jobs)[4], uint32_t job_count,
@@ -255,21 +275,30 @@ static gw_code sum_inner(payload_stage *stage, uint32_t level, uint32_t first, u
 }
 
 static gw_code encode(payload_stage *stage, uint32_t level, uint32_t first, uint32_t count, gw_error *error) {
-    gw_gl_buffer words = {0};
-    size_t bytes = (size_t)count * sizeof(gw_payload);
+    gw_gl_buffer words = {0}, emissions = {0};
+    gw_octree *octree = stage->octree;
+    size_t at = (size_t)octree->level_begin[level] + first, bytes = (size_t)count * sizeof(gw_payload);
+    size_t emission_bytes = octree->emissions ? (size_t)count * sizeof *octree->emissions : 0;
     gw_code code =
         gw_gl_buffer_create(stage->builder->device, "payload words", bytes, NULL, 0, &words, error);
+    if (code == GW_OK && octree->emissions)
+        code = gw_gl_buffer_create(stage->builder->device, "emission words", emission_bytes, NULL, 0,
+                                   &emissions, error);
     if (code == GW_OK) {
         glProgramUniform1ui(stage->encode_program, LOCATION_JOB_COUNT, count);
         gw_gl_buffer_bind(&stage->thresholds, 1);
         gw_gl_buffer_bind(&words, 2);
+        if (octree->emissions)
+            gw_gl_buffer_bind(&emissions, 3);
         code =
             gw_gl_dispatch(stage->builder->device, stage->encode_program, (count + GROUP - 1) / GROUP, error);
     }
     if (code == GW_OK)
-        code = gw_gl_buffer_read(&words, 0, bytes,
-                                 stage->octree->payloads + stage->octree->level_begin[level] + first, error);
+        code = gw_gl_buffer_read(&words, 0, bytes, octree->payloads + at, error);
+    if (code == GW_OK && octree->emissions)
+        code = gw_gl_buffer_read(&emissions, 0, emission_bytes, octree->emissions + at, error);
     gw_gl_buffer_finish(&words);
+    gw_gl_buffer_finish(&emissions);
     return code;
 }
 
@@ -278,8 +307,9 @@ static gw_code sum_level(payload_stage *stage, uint32_t level, gw_error *error) 
     gw_octree *octree = stage->octree;
     uint32_t nodes = octree->level_begin[level + 1] - octree->level_begin[level];
     uint32_t(*jobs)[4] = NULL;
-    gw_code code = gw_gl_buffer_create(stage->builder->device, "payload sums", (size_t)nodes * SUM_BYTES,
-                                       NULL, GL_RGBA32F, &stage->sums, error);
+    gw_code code =
+        gw_gl_buffer_create(stage->builder->device, "payload sums", (size_t)nodes * stage->sum_bytes, NULL,
+                            GL_RGBA32F, &stage->sums, error);
     if (code == GW_OK)
         code = gw_allocate((void **)&jobs, nodes < stage->window_nodes ? nodes : stage->window_nodes,
                            sizeof *jobs, "payload jobs", error);

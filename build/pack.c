@@ -22,6 +22,7 @@ typedef enum section {
     NODES,
     PAYLOADS,
     REFERENCES,
+    EMISSIONS,
     PATH,
     SECTION_COUNT
 } section;
@@ -42,7 +43,7 @@ typedef struct header {
     uint64_t size;
     gw_hash scene_hash, octree_hash;
     uint32_t vertex_count, triangle_count, material_count, texture_count, light_count, viewpoint_count;
-    uint32_t depth, node_count, reference_count, has_colors;
+    uint32_t depth, node_count, reference_count, has_colors, has_emissions;
     uint32_t level_begin[GW_OCTREE_MAXIMUM_DEPTH + 2];
     int32_t exponent;
     float ambient[3], background[3];
@@ -52,7 +53,7 @@ typedef struct header {
     span sections[SECTION_COUNT];
 } header;
 
-static const char magic[8] = {'G', 'W', 'P', 'A', 'C', 'K', '0', '1'};
+static const char magic[8] = {'G', 'W', 'P', 'A', 'C', 'K', '0', '2'};
 
 static uint64_t align(uint64_t offset) {
     return (offset + 63) & ~UINT64_C(63);
@@ -76,6 +77,7 @@ static void section_sizes(const header *head, uint64_t pixel_bytes, uint64_t pat
     sizes[NODES] = head->node_count * sizeof(gw_node);
     sizes[PAYLOADS] = head->node_count * sizeof(gw_payload);
     sizes[REFERENCES] = head->reference_count * sizeof(uint32_t);
+    sizes[EMISSIONS] = head->has_emissions ? head->node_count * sizeof(uint32_t) : 0;
     sizes[PATH] = path_bytes;
 }
 
@@ -98,6 +100,7 @@ static void make_header(const gw_scene *scene, const gw_octree *octree, header *
     head->depth = octree->depth;
     head->node_count = octree->node_count;
     head->reference_count = octree->reference_count;
+    head->has_emissions = octree->emissions != NULL;
     memcpy(head->level_begin, octree->level_begin, sizeof head->level_begin);
     head->exponent = scene->exponent;
     memcpy(head->ambient, scene->ambient, sizeof head->ambient);
@@ -165,6 +168,7 @@ void gw_pack(const gw_scene *scene, const gw_octree *octree, void *block) {
     put(block, &head, LIGHTS, scene->lights);
     put(block, &head, VIEWPOINTS, scene->viewpoints);
     put(block, &head, NODES, octree->nodes);
+    put(block, &head, EMISSIONS, octree->emissions);
     put(block, &head, PAYLOADS, octree->payloads);
     put(block, &head, REFERENCES, octree->references);
     put(block, &head, PATH, scene->path ? scene->path : "");
@@ -274,6 +278,7 @@ static void view_octree(uint8_t *block, const header *head, gw_octree *octree) {
     octree->nodes = (void *)(block + head->sections[NODES].offset);
     octree->payloads = (void *)(block + head->sections[PAYLOADS].offset);
     octree->references = (void *)(block + head->sections[REFERENCES].offset);
+    octree->emissions = head->has_emissions ? (void *)(block + head->sections[EMISSIONS].offset) : NULL;
     octree->hash = head->octree_hash;
     octree->borrowed = 1;
     octree->statistics = head->statistics;

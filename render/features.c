@@ -110,6 +110,8 @@ gw_code gw_kernel_defines(const gw_kernel_key *key, char *text, size_t size, gw_
         append(&out, "#define LEVEL_BLEND 1\n");
     if (key->leaf_blend)
         append(&out, "#define LEAF_BLEND 1\n");
+    if (key->voxel_emission)
+        append(&out, "#define VOXEL_EMISSION 1\n");
     if (key->double_edges)
         append(&out, "#define DOUBLE_EDGES 1\n");
     if (key->count)

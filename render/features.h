@@ -49,6 +49,7 @@ typedef struct gw_kernel_key {
     uint32_t loop_budget;
     uint32_t debug; /* gw_debug_view */
     int voxels_only, level_blend, leaf_blend, double_edges, count, resume;
+    int voxel_emission; /* the octree knows what its voxels emit */
 } gw_kernel_key;
 
 enum { GW_LOD_FRAGMENTS = 8 }; /* what one dispatch may meet along one ray before the ray is suspended */

@@ -37,6 +37,7 @@ static gw_kernel_key key_of(const gw_renderer *renderer, const gw_frame_state *s
                            .voxels_only = lod && state->geometry == GW_GEOMETRY_VOXELS,
                            .level_blend = lod && state->level_blend,
                            .leaf_blend = lod && state->leaf_blend,
+                           .voxel_emission = lod && renderer->octree->emissions != NULL,
                            .double_edges = state->triangle_precision == GW_PRECISION_DOUBLE,
                            .count = renderer->count || state->debug == GW_DEBUG_STEPS};
 }
@@ -48,6 +49,7 @@ static gw_code kernels_of(frame_job *job, int resume, gw_error *error) {
     gw_kernel_key trace = job->key, shade = job->key;
     trace.features &= trace_features;
     trace.texture_classes = 0;
+    trace.voxel_emission = 0;
     trace.debug = GW_DEBUG_NONE;
     trace.resume = shade.resume = resume;
     shade.features &= ~(uint32_t)GW_FEATURE_WIDE_NODES;

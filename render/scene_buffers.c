@@ -151,6 +151,9 @@ static gw_code upload_octree(gw_gl *device, const gw_octree *octree, gw_scene_bu
     if (!code)
         code = gw_gl_buffer_create(device, "octree payload", octree->node_count * sizeof(gw_payload),
                                    octree->payloads, GL_RGB32UI, &out->payloads, error);
+    if (!code && octree->emissions)
+        code = gw_gl_buffer_create(device, "emissions of voxels", (size_t)gw_octree_emission_bytes(octree),
+                                   octree->emissions, GL_R32UI, &out->emissions, error);
     return code;
 }
 
@@ -175,8 +178,9 @@ gw_code gw_scene_buffers_init(gw_gl *device, const gw_scene *scene, const gw_oct
 
 void gw_scene_buffers_finish(gw_scene_buffers *buffers) {
     gw_texture_set_finish(&buffers->textures);
-    gw_gl_buffer *all[] = {&buffers->nodes, &buffers->references, &buffers->triangles, &buffers->payloads,
-                           &buffers->faces, &buffers->vertices,   &buffers->materials, &buffers->lights};
+    gw_gl_buffer *all[] = {&buffers->nodes,     &buffers->references, &buffers->triangles,
+                           &buffers->payloads,  &buffers->faces,      &buffers->vertices,
+                           &buffers->materials, &buffers->lights,     &buffers->emissions};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
         gw_gl_buffer_finish(all[i]);
     memset(buffers, 0, sizeof *buffers);
@@ -192,12 +196,14 @@ void gw_scene_buffers_bind(const gw_scene_buffers *buffers, uint32_t texture_fil
     gw_gl_texture_bind(&buffers->materials, 6);
     gw_gl_texture_bind(&buffers->lights, 7);
     gw_texture_set_bind(&buffers->textures, texture_filter, 8);
+    if (buffers->emissions.texture)
+        gw_gl_texture_bind(&buffers->emissions, 8 + GW_MAXIMUM_TEXTURE_CLASSES);
 }
 
 uint64_t gw_scene_buffers_bytes(const gw_scene_buffers *buffers) {
     const gw_gl_buffer *all[] = {&buffers->nodes,     &buffers->references, &buffers->triangles,
                                  &buffers->payloads,  &buffers->faces,      &buffers->vertices,
-                                 &buffers->materials, &buffers->lights};
+                                 &buffers->materials, &buffers->lights,     &buffers->emissions};
     uint64_t bytes = buffers->textures.bytes;
     for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
         bytes += all[i]->size;

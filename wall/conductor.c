@@ -134,7 +134,8 @@ gw_code gw_conductor_describe(gw_conductor *conductor, const struct gw_rank *ran
         scene->path, scene->triangle_count,
         d->non_finite + d->bad_index + d->zero_area + d->collapsed + d->not_triangle, scene->material_count,
         scene->texture_count);
-    double bytes = (double)(gw_octree_node_bytes(octree) + gw_octree_payload_bytes(octree) +
+    double bytes = (double)(gw_octree_node_bytes(octree) +
+                            (gw_octree_payload_bytes(octree) + gw_octree_emission_bytes(octree)) +
                             gw_octree_reference_bytes(octree));
     conductor->octree_line = make_text(
         "depth %" PRIu32 ", %" PRIu32 " nodes, %.1f MiB, built in %.2f s on %s, one copy for %d rank%s",

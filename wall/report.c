@@ -146,15 +146,16 @@ void gw_report_octree(json_t *report, const gw_octree *octree, const gw_scene *s
     uint64_t triangle_bytes =
         scene->triangle_count * (uint64_t)(sizeof(gw_gpu_triangle) + sizeof(gw_gpu_face)) +
         scene->vertex_count * (uint64_t)sizeof(gw_gpu_vertex);
-    json_t *object = json_pack(
-        "{s:o, s:o, s:o, s:o, s:{s:o, s:o, s:o, s:o, s:o}, s:f, s:f, s:o}", "hash", hash_text(octree->hash),
-        "depth", count(octree->depth), "nodes", count(octree->node_count), "leaves",
-        count(octree->statistics.leaves), "bytes", "nodes", count(octree->statistics.inner * sizeof(gw_node)),
-        "leaves", count(octree->statistics.leaves * sizeof(gw_node)), "references",
-        count(gw_octree_reference_bytes(octree)), "payload", count(gw_octree_payload_bytes(octree)),
-        "triangles", count(triangle_bytes), "references_per_triangle",
-        (double)octree->reference_count / (double)scene->triangle_count, "build_ms", build_ms, "statistics",
-        statistics_of(&octree->statistics));
+    json_t *object = json_pack("{s:o, s:o, s:o, s:o, s:{s:o, s:o, s:o, s:o, s:o}, s:f, s:f, s:o}", "hash",
+                               hash_text(octree->hash), "depth", count(octree->depth), "nodes",
+                               count(octree->node_count), "leaves", count(octree->statistics.leaves), "bytes",
+                               "nodes", count(octree->statistics.inner * sizeof(gw_node)), "leaves",
+                               count(octree->statistics.leaves * sizeof(gw_node)), "references",
+                               count(gw_octree_reference_bytes(octree)), "payload",
+                               count((gw_octree_payload_bytes(octree) + gw_octree_emission_bytes(octree))),
+                               "triangles", count(triangle_bytes), "references_per_triangle",
+                               (double)octree->reference_count / (double)scene->triangle_count, "build_ms",
+                               build_ms, "statistics", statistics_of(&octree->statistics));
     json_object_set_new(report, "octree", object);
     json_object_set_new(report, "build",
                         json_pack("{s:s, s:o}", "partition", from_cache ? "cache" : "rank 0", "driver",

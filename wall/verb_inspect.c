@@ -184,9 +184,11 @@ static void print_octree(const gw_octree *t, const gw_scene *scene, double build
            t->reference_count, (double)t->reference_count / scene->triangle_count, s->pairs,
            s->overlap_tests);
     printf("    memory         nodes %.2f, payload %.2f, references %.2f MiB; %.0f bytes a triangle\n",
-           (double)gw_octree_node_bytes(t) / mib, (double)gw_octree_payload_bytes(t) / mib,
+           (double)gw_octree_node_bytes(t) / mib,
+           (double)(gw_octree_payload_bytes(t) + gw_octree_emission_bytes(t)) / mib,
            (double)gw_octree_reference_bytes(t) / mib,
-           (double)(gw_octree_node_bytes(t) + gw_octree_payload_bytes(t) + gw_octree_reference_bytes(t)) /
+           (double)(gw_octree_node_bytes(t) + (gw_octree_payload_bytes(t) + gw_octree_emission_bytes(t)) +
+                    gw_octree_reference_bytes(t)) /
                scene->triangle_count);
     print_hash("    hash           ", t->hash);
 }

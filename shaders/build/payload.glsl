@@ -10,13 +10,24 @@ struct surface_sum {
     vec3 aligned;   // the same with each addend turned to the side of the sum so far: opposed normals do not cancel
     float roughness, metalness; // times area
     vec3 moment; // place in the cell, 0..1 along each axis, times area
+#ifdef GW_EMISSION
+    vec3 emission; // emitted radiance times area
+#endif
 };
+
+#ifdef GW_EMISSION
+#define SUM_ROWS 5u
+#define NO_EMISSION , vec3(0.0)
+#else
+#define SUM_ROWS 4u
+#define NO_EMISSION
+#endif
 
 layout(location = 0) uniform uint group_base;
 layout(location = 1) uniform uint job_count;
 layout(location = 2) uniform uint node_first; // first node of the window, relative to its level
 
-layout(std430, binding = 0) buffer Sums { vec4 sums[]; }; // [node in window][4]
+layout(std430, binding = 0) buffer Sums { vec4 sums[]; }; // [node in window][SUM_ROWS]
 
 layout(local_size_x = 64) in;
 
@@ -25,7 +36,7 @@ uint job_index() {
 }
 
 surface_sum empty_sum() {
-    return surface_sum(0.0, vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0, vec3(0.0));
+    return surface_sum(0.0, vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0, vec3(0.0) NO_EMISSION);
 }
 
 void add_surface(inout surface_sum sum, surface_sum addend) {
@@ -37,20 +48,34 @@ void add_surface(inout surface_sum sum, surface_sum addend) {
     precise float roughness = sum.roughness + addend.roughness;
     precise float metalness = sum.metalness + addend.metalness;
     precise vec3 moment = sum.moment + addend.moment;
+#ifdef GW_EMISSION
+    precise vec3 emission = sum.emission + addend.emission;
+    sum = surface_sum(area, color, normal, aligned, roughness, metalness, moment, emission);
+#else
     sum = surface_sum(area, color, normal, aligned, roughness, metalness, moment);
+#endif
 }
 
 surface_sum unpack_sum(vec4 first, vec4 second, vec4 third, vec4 fourth) {
-    return surface_sum(first.x, first.yzw, second.xyz, third.xyz, second.w, third.w, fourth.xyz);
+    return surface_sum(first.x, first.yzw, second.xyz, third.xyz, second.w, third.w, fourth.xyz NO_EMISSION);
 }
 
 surface_sum load_sum(uint node) {
-    return unpack_sum(sums[node * 4u], sums[node * 4u + 1u], sums[node * 4u + 2u], sums[node * 4u + 3u]);
+    uint row = node * SUM_ROWS;
+    surface_sum sum = unpack_sum(sums[row], sums[row + 1u], sums[row + 2u], sums[row + 3u]);
+#ifdef GW_EMISSION
+    sum.emission = sums[row + 4u].xyz;
+#endif
+    return sum;
 }
 
 void store_sum(uint node, surface_sum sum) {
-    sums[node * 4u] = vec4(sum.area, sum.color);
-    sums[node * 4u + 1u] = vec4(sum.normal, sum.roughness);
-    sums[node * 4u + 2u] = vec4(sum.aligned, sum.metalness);
-    sums[node * 4u + 3u] = vec4(sum.moment, 0.0);
+    uint row = node * SUM_ROWS;
+    sums[row] = vec4(sum.area, sum.color);
+    sums[row + 1u] = vec4(sum.normal, sum.roughness);
+    sums[row + 2u] = vec4(sum.aligned, sum.metalness);
+    sums[row + 3u] = vec4(sum.moment, 0.0);
+#ifdef GW_EMISSION
+    sums[row + 4u] = vec4(sum.emission, 0.0);
+#endif
 }

@@ -1,4 +1,5 @@
 // Payload words of all nodes of a window from their sums: shared.h says what the bits mean.
+// variants: GW_EMISSION=1;
 #include "build/payload.glsl"
 #include "common/fixed_math.glsl"
 
@@ -6,6 +7,21 @@
 // is exact where pow() differs from driver to driver.
 layout(std430, binding = 1) readonly buffer Thresholds { float thresholds[1024]; };
 layout(std430, binding = 2) writeonly buffer Payloads { uint payloads[]; }; // [node in window][3]
+
+#ifdef GW_EMISSION
+layout(std430, binding = 3) writeonly buffer Emissions { uint emissions[]; };
+
+// Shared exponent of 5 bits, mantissas of 9, by exact powers of two.
+uint encode_radiance(vec3 radiance) {
+    vec3 kept = clamp(radiance, 0.0, 65408.0);
+    float largest = max(max(kept.x, kept.y), kept.z);
+    int exponent = clamp(int(floatBitsToUint(largest) >> 23) - 127 + 1 + 15, 0, 31);
+    float scale = uintBitsToFloat(uint(127 + 24 - exponent) << 23);
+    precise vec3 scaled = floor(kept * scale + 0.5);
+    uvec3 code = uvec3(min(scaled, 511.0));
+    return code.x | (code.y << 9) | (code.z << 18) | (uint(exponent) << 27);
+}
+#endif
 
 uint encode_channel(float linear) {
     uint code = 0u;
@@ -45,6 +61,10 @@ void main() {
     surface_sum sum = load_sum(node);
     float inverse_area = gw_reciprocal(sum.area);
     precise vec3 color = sum.color * inverse_area;
+#ifdef GW_EMISSION
+    precise vec3 emission = sum.emission * inverse_area;
+    emissions[node] = encode_radiance(emission);
+#endif
     float straight = length_of(sum.normal);
     float aligned = length_of(sum.aligned);
     // Opposed normals have met where turning them to one side makes the sum at least twice as long.

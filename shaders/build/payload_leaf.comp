@@ -5,7 +5,7 @@
 // the face's plane cuts the triangle. Area and centroid are integrals along that boundary, so no polygon is ever stored
 // (measured on llvmpipe against Sutherland-Hodgman clipping with arrays: docs/performance.md).
 // A triangle in a cell's face belongs to the cell on the upper side only, so nothing counts twice.
-// variants: GW_TEXTURES=1 GW_COLORS=1 GW_NORMALS=1; GW_NORMALS=1;
+// variants: GW_TEXTURES=1 GW_COLORS=1 GW_NORMALS=1 GW_EMISSION=1; GW_NORMALS=1;
 #include "build/payload.glsl"
 #include "common/fixed_math.glsl"
 
@@ -17,7 +17,7 @@ layout(binding = 0) uniform samplerBuffer triangle_texels;
 layout(binding = 1) uniform usamplerBuffer reference_texels;
 layout(binding = 2) uniform usamplerBuffer face_texels;    // vertices, material
 layout(binding = 3) uniform usamplerBuffer vertex_texels;  // normal and colour; texture coordinates
-layout(binding = 4) uniform samplerBuffer material_texels; // base colour; roughness, metalness, alpha mode, cut-off
+layout(binding = 4) uniform samplerBuffer material_texels; // base colour; roughness, metalness, alpha mode, cut-off; emission
 layout(binding = 5) uniform usamplerBuffer chain_texels;   // per material: offset; bits and wrap modes of both sides; 1 if textured
 layout(binding = 6) uniform usamplerBuffer texture_texels; // linear RGBA, 16 bits each
 
@@ -194,8 +194,8 @@ surface_sum triangle_surface(uint triangle, vec3 low, float scale) {
     precise float u = 1.0 - v - w;
 
     uvec4 face = texelFetch(face_texels, int(triangle));
-    vec4 base = texelFetch(material_texels, int(face.w) * 2);
-    vec4 finish = texelFetch(material_texels, int(face.w) * 2 + 1);
+    vec4 base = texelFetch(material_texels, int(face.w) * 3);
+    vec4 finish = texelFetch(material_texels, int(face.w) * 3 + 1);
     precise vec3 normal = unit;
     precise vec4 color = base;
 #if defined(GW_NORMALS) || defined(GW_COLORS)
@@ -231,7 +231,13 @@ surface_sum triangle_surface(uint triangle, vec3 low, float scale) {
     precise float area_roughness = finish.x * area;
     precise float area_metalness = finish.y * area;
     precise vec3 area_place = middle * area;
+#ifdef GW_EMISSION
+    precise vec3 area_emission = texelFetch(material_texels, int(face.w) * 3 + 2).xyz * area;
+    return surface_sum(area, area_color, area_normal, area_normal, area_roughness, area_metalness, area_place,
+                       area_emission);
+#else
     return surface_sum(area, area_color, area_normal, area_normal, area_roughness, area_metalness, area_place);
+#endif
 }
 
 void main() {

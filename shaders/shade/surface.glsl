@@ -100,6 +100,16 @@ Surface surface_of_triangle(uint triangle, float t, vec3 origin, vec3 direction,
 }
 
 #ifdef LOD
+#ifdef VOXEL_EMISSION
+layout(binding = 12) uniform usamplerBuffer emissions; // of voxels, shared exponent
+
+vec3 emission_of_voxel(uint node) {
+    uint word = texelFetch(emissions, int(node)).x;
+    float scale = uintBitsToFloat((127u - 24u + (word >> 27)) << 23);
+    return vec3(word & 0x1ffu, (word >> 9) & 0x1ffu, (word >> 18) & 0x1ffu) * scale;
+}
+#endif
+
 Surface surface_of_voxel(uint node, float t, vec3 origin, vec3 direction) {
     uvec3 payload = PAYLOAD(node);
     Surface surface;
@@ -116,6 +126,9 @@ Surface surface_of_voxel(uint node, float t, vec3 origin, vec3 direction) {
     float roughness = float(GW_PAYLOAD_ROUGHNESS_CODE(payload.z)) * (1.0 / 63.0);
     surface.roughness = sqrt(min(roughness * roughness + 0.5 * (1.0 - surface.agreement), 1.0));
     surface.emissive = vec3(0.0);
+#ifdef VOXEL_EMISSION
+    surface.emissive = emission_of_voxel(node);
+#endif
     surface.alpha = 1.0;
     return surface;
 }

@@ -128,7 +128,7 @@ static void test_lies_are_refused(void **state) {
         uint32_t value;
         const char *text;
     } lies[] = {
-        {8, 2, "version"},        {12, 9, "codec"},
+        {8, 1, "version"},        {12, 9, "codec"},
         {16, 1, "another scene"}, {48, 0, "contradict"},
         {48, 16, "contradict"},   {52, 0x7fffffff, "contradict"},
         {56, 0, "contradict"},    {56, 0x7fffffff, "larger"},

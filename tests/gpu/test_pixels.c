@@ -304,6 +304,39 @@ static void masks_cut_and_blending_blends(void **state) {
     }
 }
 
+/* A glowing wall gives the same light as triangles and as voxels; a wall that does not glow has no array for
+ * it. */
+static void voxels_emit_what_triangles_emit(void **state) {
+    (void)state;
+    double light[2];
+    gw_scene *dark = two_quads(GW_ALPHA_OPAQUE, 1), *bright = two_quads(GW_ALPHA_OPAQUE, 1);
+    for (int k = 0; k < 3; ++k) {
+        bright->materials[1].emissive[k] = 0.25f * (float)(k + 1);
+        bright->ambient[k] = 0;
+    }
+    gw_stage stages[2];
+    check_ok(gw_stage_open(&stages[0], dark, NULL, (const char *const[]){"octree_depth=5", NULL}, &error));
+    check_ok(gw_stage_open(&stages[1], bright, NULL, (const char *const[]){"octree_depth=5", NULL}, &error));
+    assert_null(stages[0].octree->emissions);
+    assert_non_null(stages[1].octree->emissions);
+    gw_renderer *by = NULL;
+    check_ok(gw_renderer_create(stages[1].device, stages[1].scene, stages[1].octree, NULL, &by, &error));
+    gw_camera camera;
+    gw_camera_look(&camera, &stages[1], (const double[]){0.05, 0.1, 3}, (const double[]){0, 0, 0}, 20, SIDE);
+    for (int voxels = 0; voxels < 2; ++voxels) {
+        camera.state.geometry = voxels ? GW_GEOMETRY_VOXELS : GW_GEOMETRY_TRIANGLES;
+        uint8_t *rgba = picture(&camera, by, NULL);
+        light[voxels] = gw_mean_linear(rgba, PIXELS);
+        free(rgba);
+    }
+    print_message("mean light %.4f from triangles, %.4f from voxels\n", light[0], light[1]);
+    assert_true(light[0] > 0.4);
+    assert_true(fabs(light[1] - light[0]) < 0.01 * light[0]);
+    gw_renderer_destroy(&by);
+    gw_stage_close(&stages[0]);
+    gw_stage_close(&stages[1]);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_picture_shows_something),
@@ -317,6 +350,7 @@ int main(void) {
         cmocka_unit_test(what_is_no_number_is_refused_or_left_out),
         cmocka_unit_test(the_report_tells_what_ran_and_why_not),
         cmocka_unit_test(masks_cut_and_blending_blends),
+        cmocka_unit_test(voxels_emit_what_triangles_emit),
     };
     return cmocka_run_group_tests(tests, open_stage, close_stage);
 }

@@ -175,6 +175,16 @@ static size_t count_with(const json_t *objects, const char *key, const char *inn
     return count;
 }
 
+static size_t count_specular_maps(const json_t *materials) {
+    size_t count = 0;
+    for (size_t i = 0; i < json_array_size(materials); i++) {
+        const json_t *carried = json_object_get(json_array_get(materials, i), "extensions");
+        count += json_object_get(json_object_get(carried, "KHR_materials_pbrSpecularGlossiness"),
+                                 "specularGlossinessTexture") != NULL;
+    }
+    return count;
+}
+
 static gw_code note_count(gw_source_model *model, size_t count, const char *what, gw_error *error) {
     return count ? gw_scene_note(model->scene, error, "glTF: %zu %s", count, what) : GW_OK;
 }
@@ -216,6 +226,8 @@ static gw_code note_losses(const gw_gltf *gltf, gw_source_model *model, gw_error
         {count_with(materials, "emissiveTexture", NULL), "materials with an emissive map: its mean is used"},
         {count_with(materials, "metallicRoughnessTexture", "pbrMetallicRoughness"),
          "materials with a metallic-roughness map: its mean is used"},
+        {count_specular_maps(materials),
+         "materials with a specular-glossiness map: drawn without it, metals by their diffuse colour alone"},
         {shared_lights, "more nodes with a light that another node has too: it shines at one of them"},
         {json_array_size(json_object_get(gltf->root, "animations")), "animations: the rest pose is shown"},
         {json_array_size(json_object_get(gltf->root, "skins")), "skins: the rest pose is shown"},

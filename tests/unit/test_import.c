@@ -2,6 +2,7 @@
  * misbehave. */
 #include "tests/support/check.h"
 
+#include "base/file.h"
 #include "build/import.h"
 #include "tests/fuzz/import_entry.h"
 #include "tests/support/meshes.h"
@@ -159,6 +160,32 @@ static void gltf_is_carried(void **state) {
     gw_scene_destroy(&binary);
 }
 
+static void a_specular_glossiness_map_is_a_named_loss(void **state) {
+    (void)state;
+    static const char text[] =
+        "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_materials_pbrSpecularGlossiness\"],"
+        "\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
+        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0}]}],"
+        "\"materials\":[{\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{"
+        "\"diffuseFactor\":[0.25,0.5,0.75,1],\"glossinessFactor\":0.75,"
+        "\"specularGlossinessTexture\":{\"index\":0}}}}],"
+        "\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"nowhere.png\"}],"
+        "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\","
+        "\"min\":[0,0,0],\"max\":[1,1,0]}],"
+        "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
+        "\"buffers\":[{\"byteLength\":36,\"uri\":\"data:application/octet-stream;base64,"
+        "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA\"}]}";
+    char path[512];
+    check_ok(gw_file_write(scratch_path(path, "glossy.gltf"), text, strlen(text), &error));
+    gw_scene *scene = import(path);
+    assert_true(has_note(scene, "1 materials with a specular-glossiness map"));
+    assert_int_equal(scene->material_count, 1);
+    assert_true(near((double)scene->materials[0].base_color[2], 0.75));
+    assert_true(near((double)scene->materials[0].roughness, 0.25));
+    gw_scene_destroy(&scene);
+    remove(path);
+}
+
 /* --- children that misbehave --- */
 
 /* A stand-in for the import child: a shell script. */
@@ -271,6 +298,7 @@ int main(void) {
         cmocka_unit_test(vertex_colours_become_linear),
         cmocka_unit_test(mtl_keys_are_carried),
         cmocka_unit_test(gltf_is_carried),
+        cmocka_unit_test(a_specular_glossiness_map_is_a_named_loss),
         cmocka_unit_test(bad_children_are_named),
         cmocka_unit_test(a_program_that_is_not_there_is_named),
         cmocka_unit_test(memory_limit_holds),

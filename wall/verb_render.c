@@ -234,9 +234,7 @@ static gw_code find_viewpoint(const gw_scene *scene, const char *name, const gw_
 
 static gw_code make_view(const render_options *o, const gw_scene *scene, view *out, gw_error *error) {
     const double y_up[3] = {0, 1, 0};
-    gw_code code = gw_wall_layout(&o->wall, &out->layout, error);
-    if (code)
-        return code;
+    gw_code code = GW_OK;
     if (o->has_eye) {
         code = camera_view(o->eye, o->look_at, y_up, o->fov, o->wall.size, out, error);
     } else if (o->viewpoint) {
@@ -254,6 +252,15 @@ static gw_code make_view(const render_options *o, const gw_scene *scene, view *o
     }
     out->layout.tiles[0].plane = out->plane;
     memcpy(out->layout.eye, out->eye, sizeof out->eye);
+    return code;
+}
+
+/* The picture's pixels, and whether the gaze is on one of them: known before the scene is. */
+static gw_code make_layout(const render_options *o, view *out, gw_error *error) {
+    double somewhere[3];
+    gw_code code = gw_wall_layout(&o->wall, &out->layout, error);
+    if (!code && o->gaze == GW_GAZE_AT_PIXEL)
+        code = gw_layout_point(&out->layout, o->gaze_pixel, somewhere, error);
     return code;
 }
 
@@ -371,6 +378,8 @@ int gw_verb_render(int argc, char **argv) {
         return GW_OK;
     if (!code)
         code = check_view(&r.options, &error);
+    if (!code)
+        code = make_layout(&r.options, &r.view, &error);
     if (!code)
         code = gw_file_writable(r.options.out, &error);
     if (!code)

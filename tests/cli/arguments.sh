@@ -82,6 +82,7 @@ expect "a report that cannot be written" 5 "$folder/nowhere/r.json" render "${sc
 : >"$folder/file"
 expect "it is told before the scene is read" 5 "$folder/nowhere/a.png" render --scene missing.obj --out "$folder/nowhere/a.png"
 expect "a folder in the picture's place" 5 "Is a directory" render --scene missing.obj --out "$folder"
+expect "so is a gaze beside the picture" 2 "pixel 200,20 is on no tile" render --scene missing.obj --size 64x48 --gaze 200,20
 expect "states that cannot be written" 5 "$folder/nowhere/s" sim --scene missing.obj --save-states "$folder/nowhere/s"
 expect "results of a bench below a file" 5 "$folder/file" bench build --scene missing.obj --out "$folder/file/results"
 mkfifo "$folder/fifo"

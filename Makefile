@@ -152,10 +152,11 @@ demo-track: $(TREE)/make_demo_track
 	$(quiet)$< configs/tracks/demo.vrpn
 
 install: all
-	install -d '$(DESTDIR)$(PREFIX)/bin' '$(DESTDIR)$(PREFIX)/share/gazewall' '$(DESTDIR)$(PREFIX)/share/doc/gazewall'
+	install -d '$(DESTDIR)$(PREFIX)/bin' '$(DESTDIR)$(PREFIX)/share/gazewall' '$(DESTDIR)$(PREFIX)/share/doc/gazewall/docs'
 	install -m 755 $(PROGRAM) '$(DESTDIR)$(PREFIX)/bin/gazewall'
 	cp -R configs '$(DESTDIR)$(PREFIX)/share/gazewall/'
-	install -m 644 README.md LICENSE $(wildcard docs/*.md) '$(DESTDIR)$(PREFIX)/share/doc/gazewall/'
+	install -m 644 README.md LICENSE '$(DESTDIR)$(PREFIX)/share/doc/gazewall/'
+	install -m 644 $(wildcard docs/*.md docs/*.png) '$(DESTDIR)$(PREFIX)/share/doc/gazewall/docs/'
 
 clean:
 	rm -rf $(OUT)

@@ -108,7 +108,7 @@ gw_code gw_bench_build(gw_bench *bench, gw_error *error) {
         report_columns(bench, rows, count, spreads);
         code = write_rows(bench, rows, count, error);
     }
-    if (!code) {
+    if (!code && !bench->draw.quiet) {
         gw_console_finish(&bench->console);
         print_summary(bench, spreads, count);
     }

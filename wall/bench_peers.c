@@ -242,7 +242,7 @@ static gw_code measure(peers *p, gw_error *error) {
     gw_spread ours = gw_spread_of(p->our_ms, repeats), theirs = gw_spread_of(p->their_ms, repeats);
     report_peers(p, &c, repeats, &ours, &theirs);
     code = write_rows(p, repeats, error);
-    if (!code) {
+    if (!code && !bench->draw.quiet) {
         gw_console_finish(&bench->console);
         print_summary(p, &c, &ours, &theirs);
     }

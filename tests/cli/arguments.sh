@@ -85,6 +85,7 @@ expect "a folder in the picture's place" 5 "Is a directory" render --scene missi
 expect "so is a gaze beside the picture" 2 "pixel 200,20 is on no tile" render --scene missing.obj --size 64x48 --gaze 200,20
 expect "states that cannot be written" 5 "$folder/nowhere/s" sim --scene missing.obj --save-states "$folder/nowhere/s"
 expect "results of a bench below a file" 5 "$folder/file" bench build --scene missing.obj --out "$folder/file/results"
+is "a quiet bench is quiet" "$("$program" bench build --quick "${scene[@]}" 2>&1)" ""
 mkfifo "$folder/fifo"
 timeout 60 cat "$folder/fifo" >"$folder/through" &
 expect "a picture through a FIFO" 0 "" render "${scene[@]}" --size 8x8 --out "$folder/fifo"

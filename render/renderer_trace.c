@@ -88,6 +88,9 @@ static gw_code trace_chunk(gw_renderer *renderer, gw_trace_method method, const 
     }
     if (!code)
         code = gw_gl_buffer_read(found, 0, count * sizeof(gw_hit), hits, error);
+    for (size_t i = 0; !code && i < count; ++i)
+        if (hits[i].triangle != GW_NO_TRIANGLE)
+            hits[i].triangle &= ~GW_HIT_BACK;
     return code;
 }
 

@@ -75,6 +75,9 @@ GW_STRUCT_END(gw_gpu_light)
 // What one ray met, 3 words: triangle id, or node index with GW_FRAGMENT_VOXEL; t; weight 0..1.
 #define GW_FRAGMENT_VOXEL 0x80000000u
 #define GW_FRAGMENT_WORDS 3u
+// A hit under way is a triangle id with this bit when the ray meets its back: of triangles at one distance the front comes
+// first, then the lowest id, so that faces doubled with opposite winding show the side that was made for the viewer.
+#define GW_HIT_BACK 0x80000000u
 // Status of a ray: fragments written by the last dispatch (bits 0-7) and flags.
 #define GW_STATUS_COUNT(status) ((status) & 0xffu)
 #define GW_STATUS_SUSPENDED 0x100u   // another dispatch goes on with this ray

@@ -75,7 +75,7 @@ uint emit_nearest() {
     if (hit_triangle == GW_NO_TRIANGLE)
         return 0u;
     uint at = ray_slot * GW_FRAGMENT_WORDS;
-    fragments[at] = hit_triangle;
+    fragments[at] = hit_triangle & ~GW_HIT_BACK;
     fragments[at + 1u] = floatBitsToUint(hit_t);
     fragments[at + 2u] = floatBitsToUint(1.0);
     uint status = 1u;

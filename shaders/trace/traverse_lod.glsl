@@ -70,7 +70,7 @@ void emit_hit() {
 #else
     weight = composite(leaf_share);
 #endif
-    emit(hit_triangle, hit_t, weight);
+    emit(hit_triangle & ~GW_HIT_BACK, hit_t, weight);
     floor_t = hit_t;
     floor_triangle = hit_triangle;
     forget_hit();

@@ -12,8 +12,8 @@ vec3 ray_origin, ray_direction; // the true ray, not clamped, not mirrored
 int shear_axis;                 // the direction's largest component
 vec3 shear;                     // x, y: slopes along it; z: 1 / direction on it
 float hit_t;                    // nearest hit so far
-uint hit_triangle;
-float floor_t; // hits count from here on: after (floor_t, floor_triangle) in the order of (t, id)
+uint hit_triangle; // with GW_HIT_BACK where its back is met
+float floor_t; // hits count from here on: after (floor_t, floor_triangle) in the order of (t, back, id)
 uint floor_triangle;
 #ifdef ALPHA
 uint hit_flags;
@@ -71,11 +71,12 @@ void test_vertices(vec3 va, vec3 vb, vec3 vc, uint id, uint flags) {
     precise float t = above / along;
     t = t >= nearest ? min(t, farthest) : nearest; // NaN (edge-on) becomes the nearest vertex
 
-    bool nearer = t < hit_t || (t == hit_t && id < hit_triangle);
-    bool beyond = t > floor_t || (t == floor_t && id > floor_triangle);
+    uint key = id | (along > 0.0 ? GW_HIT_BACK : 0u);
+    bool nearer = t < hit_t || (t == hit_t && key < hit_triangle);
+    bool beyond = t > floor_t || (t == floor_t && key > floor_triangle);
     bool hit = inside && nearer && beyond;
     hit_t = hit ? t : hit_t;
-    hit_triangle = hit ? id : hit_triangle;
+    hit_triangle = hit ? key : hit_triangle;
 #ifdef ALPHA
     hit_flags = hit ? flags : hit_flags;
 #endif

@@ -304,6 +304,52 @@ static void masks_cut_and_blending_blends(void **state) {
     }
 }
 
+/* Faces doubled with opposite winding, one red, one green: each viewer sees the side that faces him,
+ * everywhere. */
+static void doubled_faces_show_their_front(void **state) {
+    (void)state;
+    gw_scene *scene = NULL;
+    gw_mesh mesh = {0};
+    const double corner[3] = {-1, -1, 0}, right[3] = {2, 0, 0.1}, up[3] = {0, 2, 0.2};
+    gw_mesh_add_grid(&mesh, corner, right, up, 5, 7);
+    size_t faces = mesh.triangle_count;
+    for (size_t i = 0; i < faces; ++i)
+        gw_mesh_triangle(&mesh, mesh.triangles[i][0], mesh.triangles[i][2], mesh.triangles[i][1]);
+    check_ok(gw_mesh_scene(&mesh, &scene, &error));
+    gw_mesh_finish(&mesh);
+    gw_material *materials = calloc(2, sizeof *materials);
+    assert_non_null(materials);
+    for (int m = 0; m < 2; ++m)
+        materials[m] =
+            (gw_material){.base_color = {m == 0, m == 1, 0, 1}, .roughness = 1, .base_color_texture = -1};
+    free(scene->materials);
+    scene->materials = materials;
+    scene->material_count = 2;
+    for (uint32_t i = 0; i < scene->triangle_count; ++i) {
+        const float *p[3];
+        for (int k = 0; k < 3; ++k)
+            p[k] = scene->positions + (size_t)scene->triangles[i][k] * 3;
+        float facing = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[1][1] - p[0][1]) * (p[2][0] - p[0][0]);
+        scene->material_of[i] = facing < 0.0f;
+    }
+    gw_stage faced;
+    gw_renderer *by = NULL;
+    check_ok(gw_stage_open(&faced, scene, NULL, (const char *const[]){"octree_depth=5", "tau_inside=0", NULL},
+                           &error));
+    check_ok(gw_renderer_create(faced.device, faced.scene, faced.octree, NULL, &by, &error));
+    for (int side = 0; side < 2; ++side) {
+        gw_camera camera;
+        gw_camera_look(&camera, &faced, (const double[]){0.05, 0.1, side ? -3 : 3}, (const double[]){0, 0, 0},
+                       20, SIDE);
+        uint8_t *rgba = picture(&camera, by, NULL);
+        for (size_t i = 0; i < PIXELS; ++i)
+            assert_true(rgba[i * 4 + (size_t)side] > 2 * rgba[i * 4 + 1 - (size_t)side]);
+        free(rgba);
+    }
+    gw_renderer_destroy(&by);
+    gw_stage_close(&faced);
+}
+
 /* A glowing wall gives the same light as triangles and as voxels; a wall that does not glow has no array for
  * it. */
 static void voxels_emit_what_triangles_emit(void **state) {
@@ -350,6 +396,7 @@ int main(void) {
         cmocka_unit_test(what_is_no_number_is_refused_or_left_out),
         cmocka_unit_test(the_report_tells_what_ran_and_why_not),
         cmocka_unit_test(masks_cut_and_blending_blends),
+        cmocka_unit_test(doubled_faces_show_their_front),
         cmocka_unit_test(voxels_emit_what_triangles_emit),
     };
     return cmocka_run_group_tests(tests, open_stage, close_stage);

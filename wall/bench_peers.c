@@ -84,12 +84,13 @@ static gw_code make_rays(peers *p, const uint32_t size[2], gw_error *error) {
     size_t i = 0;
     for (size_t block = 0; i < p->count; block++) {
         uint32_t pixel[2];
-        /* Blocks of 8x8 pixels, rows inside, as the renderer sends them: neighbours in space stay neighbours.
-         */
+        /* Blocks of 8x8 pixels in Morton order, as the renderer sends them: neighbours stay neighbours. */
         uint32_t columns = (size[0] + 7) / 8;
         for (uint32_t within = 0; within < 64; within++) {
-            pixel[0] = (uint32_t)(block % columns) * 8 + within % 8;
-            pixel[1] = (uint32_t)(block / columns) * 8 + within / 8;
+            pixel[0] =
+                (uint32_t)(block % columns) * 8 + ((within & 1) | (within >> 1 & 2) | (within >> 2 & 4));
+            pixel[1] =
+                (uint32_t)(block / columns) * 8 + ((within >> 1 & 1) | (within >> 2 & 2) | (within >> 3 & 4));
             if (pixel[0] < size[0] && pixel[1] < size[1])
                 aim_ray(&p->rays[i++], plane, &placement, scene, eye, pixel);
         }

@@ -58,6 +58,12 @@
            "blend a voxel with its children where the footprint lies between two levels")                              \
     GW_ROW(leaf_blend, SWITCH, 1, 0, 1, "", FRAME, "", "visible triangle-to-voxel steps against cost", "on",           \
            "blend a leaf's triangles with its voxel while the footprint grows from half to all of the leaf")           \
+    GW_ROW(voxel_slab, REAL, 0.06, 0.005, 0.25, "", FRAME, "sides", "gaps beside triangles against thickened edges",    \
+           "tau 0", "half the thickness of the slab by which a flat voxel stands for its surface")                     \
+    GW_ROW(voxel_flatness, REAL, 0.95, 0.2, 1.0, "", FRAME, "", "blur of curved voxels against gaps between them",       \
+           "tau 0", "agreement of normals from which a voxel is a slab; 0.15 below it, it is a cloud")                  \
+    GW_ROW(least_remainder, REAL, 0.00390625, 0.0001, 0.25, "", FRAME, "", "light from behind voxels against steps",     \
+           "0.0001", "a ray ends when less than this share of it is left")                                              \
     GW_ROW(texture_filter, CHOICE, 2, 0, 2, "nearest|bilinear|trilinear", FRAME, "", "texture aliasing against fetches", \
            "trilinear", "how base-colour textures are read at the ray's footprint")                                    \
     GW_ROW(triangle_precision, CHOICE, 0, 0, 1, "float|double", FRAME, "", "rounding at shared edges against time",    \

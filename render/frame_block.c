@@ -82,8 +82,9 @@ static gw_code check(const gw_plane *plane, const gw_frame_state *state, gw_erro
         return gw_fail(error, GW_BAD_INPUT, "frame %u: the plane's corner or steps are not finite",
                        state->frame);
     const float knobs[] = {
-        state->tau,         state->tau_inside,   state->gaze_margin,       state->gaze_blend,
-        state->gaze_growth, state->gaze_latency, state->gaze_growth_limit, state->acuity_slope};
+        state->tau,         state->tau_inside,     state->gaze_margin,       state->gaze_blend,
+        state->gaze_growth, state->gaze_latency,   state->gaze_growth_limit, state->acuity_slope,
+        state->voxel_slab,  state->voxel_flatness, state->least_remainder};
     for (size_t i = 0; i < sizeof knobs / sizeof knobs[0]; ++i)
         if (!isfinite(knobs[i]) || knobs[i] < 0.0f)
             return gw_fail(error, GW_BAD_INPUT,
@@ -135,6 +136,10 @@ gw_code gw_frame_block_fill(const gw_scene *scene, const gw_octree *octree, cons
     block->accuracy[2] = state->gaze_blend;
     block->accuracy[3] = state->gaze_margin;
     block->acuity[0] = state->acuity_slope;
+    /* Divisors in the kernels; a state that somebody else made may hold anything. */
+    block->acuity[2] = fmaxf(state->voxel_slab, 0.005f);
+    block->acuity[3] = state->voxel_flatness;
+    block->background[3] = state->least_remainder;
     block->acuity[1] = (float)smallest_period;
     uint32_t gazes = state->gaze_count < GW_MAXIMUM_VIEWERS ? state->gaze_count : GW_MAXIMUM_VIEWERS;
     uint32_t kept = 0;

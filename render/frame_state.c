@@ -10,6 +10,9 @@ void gw_frame_state_apply(gw_frame_state *state, const gw_settings *settings) {
     state->gaze_latency = (float)settings->gaze_latency;
     state->gaze_growth_limit = (float)settings->gaze_growth_limit;
     state->acuity_slope = (float)settings->acuity_slope;
+    state->voxel_slab = (float)settings->voxel_slab;
+    state->voxel_flatness = (float)settings->voxel_flatness;
+    state->least_remainder = (float)settings->least_remainder;
     state->geometry = (uint8_t)settings->geometry;
     state->level_blend = (uint8_t)settings->level_blend;
     state->leaf_blend = (uint8_t)settings->leaf_blend;

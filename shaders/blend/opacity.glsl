@@ -10,8 +10,8 @@ float group_end;      // t at which its last cell ends
 
 // Less than this may remain of a ray before it counts as stopped, and less than that may a voxel count before it is not
 // worth shading; either way the colour of what was shaded stands for the rest.
-#define OPAQUE_REMAINDER (1.0 / 256.0)
-#define LEAST_WEIGHT (1.0 / 1024.0)
+#define OPAQUE_REMAINDER frame.background.w
+#define LEAST_WEIGHT (0.25 * frame.background.w)
 
 float remaining() {
     return transmittance * (1.0 - group_opacity);

@@ -27,10 +27,10 @@ float payload_offset(uvec3 payload) {
 
 // Half the thickness, in sides, of the slab by which a flat cell stands for its plane: what the surfaces of neighbouring
 // cells may be apart without a gap.
-#define SLAB_HALF 0.06
+#define SLAB_HALF frame.acuity.z
 // Agreement of the normals below which a cell is a cloud, and above which it is a slab.
-#define CLOUD_AGREEMENT 0.80
-#define SLAB_AGREEMENT 0.95
+#define CLOUD_AGREEMENT (frame.acuity.w - 0.15)
+#define SLAB_AGREEMENT frame.acuity.w
 // Agreement below which a two-sided cell is no thin plate but a fold, which no plane stands for.
 #define FOLD_AGREEMENT 0.99
 
@@ -79,7 +79,7 @@ float payload_opacity(uvec3 payload, vec3 normal, vec3 enter, vec3 leave) {
     // a leaf of triangles and add nothing.
     precise float crossed = clamp((high - low) * (1.0 / SLAB_HALF), 0.0, 1.0);
     precise float filled = min(area / max(cube_section(normal, centre), 1e-3), 1.0);
-    float slab_share = clamp((agreement - CLOUD_AGREEMENT) * (1.0 / (SLAB_AGREEMENT - CLOUD_AGREEMENT)), 0.0, 1.0);
+    float slab_share = clamp((agreement - CLOUD_AGREEMENT) * (1.0 / 0.15), 0.0, 1.0);
     precise float opacity = mix(cloud, crossed * filled, folded ? 0.0 : slab_share);
     return min(opacity, 1.0);
 }

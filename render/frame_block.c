@@ -84,7 +84,7 @@ static gw_code check(const gw_plane *plane, const gw_frame_state *state, gw_erro
     const float knobs[] = {
         state->tau,         state->tau_inside,     state->gaze_margin,       state->gaze_blend,
         state->gaze_growth, state->gaze_latency,   state->gaze_growth_limit, state->acuity_slope,
-        state->voxel_slab,  state->voxel_flatness, state->least_remainder};
+        state->voxel_slab,  state->voxel_flatness, state->fold_agreement,    state->least_remainder};
     for (size_t i = 0; i < sizeof knobs / sizeof knobs[0]; ++i)
         if (!isfinite(knobs[i]) || knobs[i] < 0.0f)
             return gw_fail(error, GW_BAD_INPUT,
@@ -139,6 +139,7 @@ gw_code gw_frame_block_fill(const gw_scene *scene, const gw_octree *octree, cons
     /* Divisors in the kernels; a state that somebody else made may hold anything. */
     block->acuity[2] = fmaxf(state->voxel_slab, 0.005f);
     block->acuity[3] = state->voxel_flatness;
+    block->ambient[3] = state->fold_agreement;
     block->background[3] = state->least_remainder;
     block->acuity[1] = (float)smallest_period;
     uint32_t gazes = state->gaze_count < GW_MAXIMUM_VIEWERS ? state->gaze_count : GW_MAXIMUM_VIEWERS;

@@ -12,6 +12,7 @@ void gw_frame_state_apply(gw_frame_state *state, const gw_settings *settings) {
     state->acuity_slope = (float)settings->acuity_slope;
     state->voxel_slab = (float)settings->voxel_slab;
     state->voxel_flatness = (float)settings->voxel_flatness;
+    state->fold_agreement = (float)settings->fold_agreement;
     state->least_remainder = (float)settings->least_remainder;
     state->geometry = (uint8_t)settings->geometry;
     state->level_blend = (uint8_t)settings->level_blend;

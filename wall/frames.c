@@ -29,7 +29,8 @@ static const float_field float_fields[] = {
     {"gaze_growth_limit", offsetof(gw_frame_state, gaze_growth_limit), 90},
     {"acuity_slope", offsetof(gw_frame_state, acuity_slope), 1},
     {"voxel_slab", offsetof(gw_frame_state, voxel_slab), 0.25},
-    {"voxel_flatness", offsetof(gw_frame_state, voxel_flatness), 1},
+    {"voxel_flatness", offsetof(gw_frame_state, voxel_flatness), 1.2},
+    {"fold_agreement", offsetof(gw_frame_state, fold_agreement), 1},
     {"least_remainder", offsetof(gw_frame_state, least_remainder), 0.25},
 };
 

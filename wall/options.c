@@ -268,6 +268,9 @@ static error_t parse_draw(int key, char *argument, struct argp_state *state) {
     switch (key) {
     case KEY_SCENE:
         options->scene = argument;
+        if (!*argument)
+            code = gw_fail(error, GW_BAD_INPUT,
+                           "--scene has an empty name; give a file, or leave it out for the demo scene");
         break;
     case KEY_SET:
         code = gw_settings_assign(&options->settings, argument, error);
@@ -320,4 +323,9 @@ void gw_draw_options_init(gw_draw_options *options, gw_error *error) {
     options->error = error;
     options->level = GW_LOG_INFO;
     gw_settings_init(&options->settings);
+}
+
+gw_code gw_stray_argument(const char *argument, gw_error *error) {
+    return gw_fail(error, GW_BAD_INPUT, "'%s' belongs to no option; a scene is given as --scene %s", argument,
+                   argument);
 }

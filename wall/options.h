@@ -51,4 +51,7 @@ gw_code gw_parse_number(const char *name, const char *text, double minimum, doub
 gw_code gw_parse_integer(const char *name, const char *text, int64_t minimum, int64_t maximum, int64_t *out,
                          gw_error *error);
 
+/* The mistake of a word that belongs to no option. */
+gw_code gw_stray_argument(const char *argument, gw_error *error);
+
 #endif

@@ -216,8 +216,7 @@ static error_t parse_sim(int key, char *argument, struct argp_state *state) {
         options->link = argument;
         break;
     case ARGP_KEY_ARG:
-        code = gw_fail(error, GW_BAD_INPUT, "'%s' belongs to no option; a scene is given as --scene %s",
-                       argument, argument);
+        code = gw_stray_argument(argument, error);
         break;
     default:
         return ARGP_ERR_UNKNOWN;

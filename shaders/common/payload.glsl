@@ -32,7 +32,7 @@ float payload_offset(uvec3 payload) {
 #define CLOUD_AGREEMENT (frame.acuity.w - 0.15)
 #define SLAB_AGREEMENT frame.acuity.w
 // Agreement below which a two-sided cell is no thin plate but a fold, which no plane stands for.
-#define FOLD_AGREEMENT 0.99
+#define FOLD_AGREEMENT frame.ambient.w
 
 // Area of the plane n.x = s inside the unit cube about the origin (unit n): the second difference of squared distances from
 // its corners. Components of n are kept from 0, where the quotient would lose its digits.

@@ -156,6 +156,51 @@ static void walls_of_voxels_do_not_leak(void **state) {
 }
 
 /* A thin plate: both sides in the same voxels, so that their normals cancel. */
+/* A black floor, cut fine in every second square, seen at a grazing angle before a white background: fine
+ * squares become voxels beside coarse ones that stay triangles. A ray may cross the floor in a voxel's cell
+ * and go on below it into a leaf of triangles, where nothing stops it any more. */
+static double light_through_floor(float flatness) {
+    gw_mesh mesh = {0};
+    for (int i = 0; i < 8; ++i)
+        for (int j = 0; j < 8; ++j) {
+            uint32_t cuts = (i + j) % 2 ? 1 : 9;
+            gw_mesh_add_grid(&mesh, (const double[]){-1 + 0.25 * i, 0.013, -1 + 0.25 * j},
+                             (const double[]){0, 0, 0.25}, (const double[]){0.25, 0, 0}, cuts, cuts);
+        }
+    gw_scene *scene = NULL;
+    gw_stage stage;
+    check_ok(gw_mesh_scene(&mesh, &scene, &error));
+    gw_mesh_finish(&mesh);
+    for (int k = 0; k < 3; ++k) {
+        scene->materials[0].base_color[k] = 0.0f;
+        scene->ambient[k] = 0.0f;
+        scene->background[k] = 1.0f;
+    }
+    check_ok(gw_stage_open(&stage, scene, NULL, (const char *const[]){"octree_depth=8", "tau_inside=6", NULL},
+                           &error));
+    gw_renderer *renderer = renderer_of(&stage);
+    gw_camera camera;
+    gw_camera_look(&camera, &stage, (const double[]){0.1, 0.5, 1.9}, (const double[]){0, 0.013, 0.1}, 8,
+                   SIDE);
+    camera.state.voxel_flatness = flatness;
+    gw_counters counters = {0};
+    uint8_t *rgba = picture(&camera, renderer, &counters);
+    double through = gw_mean_linear(rgba, PIXELS);
+    free(rgba);
+    gw_renderer_destroy(&renderer);
+    gw_stage_close(&stage);
+    return through;
+}
+
+static void voxels_beside_triangles_do_not_leak(void **state) {
+    (void)state;
+    double slabs = light_through_floor(0.95f), clouds = light_through_floor(1.2f);
+    print_message("light through a floor of voxels and triangles: %.4f as slabs, %.4f as clouds\n", slabs,
+                  clouds);
+    assert_true(slabs < 0.005);
+    assert_true(clouds > 10 * slabs && clouds > 0.01); /* the naive variant fails */
+}
+
 static void cancelling_normals_are_neither_black_nor_lost(void **state) {
     (void)state;
     gw_mesh mesh = {0};
@@ -254,6 +299,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_smaller_tau_is_never_worse_and_ends_exact),
         cmocka_unit_test(walls_of_voxels_do_not_leak),
+        cmocka_unit_test(voxels_beside_triangles_do_not_leak),
         cmocka_unit_test(cancelling_normals_are_neither_black_nor_lost),
         cmocka_unit_test(gazes_of_every_kind_give_pictures),
     };

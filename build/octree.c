@@ -264,6 +264,7 @@ void gw_octree_destroy(gw_octree **octree) {
         free((*octree)->references);
         free((*octree)->emissions);
     }
+    free((*octree)->block);
     free(*octree);
     *octree = NULL;
 }

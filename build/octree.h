@@ -47,7 +47,8 @@ typedef struct gw_octree {
     uint32_t *references;                         /* [reference_count], entry 0 reserved */
     uint32_t *emissions; /* [node_count] emitted radiance; NULL when no material in use emits light */
     gw_hash hash;        /* of depth, nodes, payloads, references */
-    int borrowed;        /* 1: the arrays belong to somebody else (a shared segment) */
+    int borrowed;        /* 1: the arrays belong to somebody else (a shared segment) or to the block */
+    void *block;         /* owned; the arrays of an octree from the cache lie in it. NULL otherwise */
     gw_octree_statistics statistics;
 } gw_octree;
 

@@ -92,6 +92,8 @@ static gw_code load(gw_rank *rank, gw_conductor *conductor, gw_error *error) {
     if (rank->number == 0)
         code = gw_model_import(model, draw, &rank->line.log, error);
     if (!code)
+        code = gw_share_scene(&rank->share, model->scene, rank->load_deadline, error);
+    if (!code)
         code = gw_model_open_device(model, draw, &rank->line.log, error);
     if (!code && rank->number == 0) {
         code = gw_model_build(model, draw, &rank->line.log, error);
@@ -99,7 +101,7 @@ static gw_code load(gw_rank *rank, gw_conductor *conductor, gw_error *error) {
             code = gw_conductor_describe(conductor, rank, error);
     }
     if (!code)
-        code = gw_share_spread(&rank->share, model->scene, model->octree, rank->load_deadline, error);
+        code = gw_share_octree(&rank->share, model->octree, rank->load_deadline, error);
     gw_model_drop(model);
     return code;
 }
@@ -109,14 +111,14 @@ static gw_code get_ready(gw_rank *rank, gw_conductor *conductor, gw_error *error
     if (code)
         return code;
     const gw_layout *layout = &rank->layout;
-    const gw_unpacked *shared = &rank->share.contents;
-    code = gw_place_scene(&shared->scene, layout->size[0], layout->size[1], layout->centre, layout->eye,
+    const gw_share *shared = &rank->share;
+    code = gw_place_scene(&shared->scene.scene, layout->size[0], layout->size[1], layout->centre, layout->eye,
                           &rank->placement, error);
     if (code)
         return code;
     gw_renderer_options options = {.count = rank->options.draw.count, .log = &rank->line.log};
-    code = gw_renderer_create(rank->model.device, &shared->scene, &shared->octree, &options, &rank->renderer,
-                              error);
+    code = gw_renderer_create(rank->model.device, &shared->scene.scene, &shared->octree, &options,
+                              &rank->renderer, error);
     if (code)
         return code;
     const gw_rectangle *rectangle = &own_tile(rank)->rectangle;

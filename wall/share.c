@@ -1,5 +1,6 @@
 #include "wall/share.h"
 
+#include "build/pack_octree.h"
 #include "wall/interrupt.h"
 #include "wall/mpi_wait.h"
 
@@ -54,9 +55,12 @@ gw_code gw_share_init(gw_share *share, int machines, gw_error *error) {
         return code;
     MPI_Comm_rank(share->machine, &rank);
     share->is_leader = rank == 0;
-    return gw_mpi_check(
-        MPI_Comm_split(MPI_COMM_WORLD, share->is_leader ? 0 : MPI_UNDEFINED, 0, &share->leaders),
-        "finding the first rank of each machine", error);
+    code =
+        gw_mpi_check(MPI_Comm_split(MPI_COMM_WORLD, share->is_leader ? 0 : MPI_UNDEFINED, 0, &share->leaders),
+                     "finding the first rank of each machine", error);
+    if (!code && share->is_leader)
+        MPI_Comm_size(share->leaders, &share->machine_count);
+    return code;
 }
 
 static gw_code spread_bytes(void *data, int size, MPI_Comm ranks, int64_t deadline, const char *what,
@@ -74,7 +78,7 @@ static void remove_segment(const char *name) {
 }
 
 /* Makes the segment with all its memory, so that a full /dev/shm is an error here and not a signal later. */
-static gw_code make_segment(gw_share *share, char name[NAME_BYTES], gw_error *error) {
+static gw_code make_segment(gw_segment *segment, char name[NAME_BYTES], gw_error *error) {
     uint64_t nonce = 0;
     if (getrandom(&nonce, sizeof nonce, 0) != (ssize_t)sizeof nonce)
         return gw_fail(error, GW_MACHINE, "the kernel gives no random numbers: %s", strerror(errno));
@@ -92,92 +96,127 @@ static gw_code make_segment(gw_share *share, char name[NAME_BYTES], gw_error *er
         return gw_fail(error, GW_MACHINE, "the shared segment %s could not be made: %s", path,
                        strerror(errno));
     }
-    int failed = posix_fallocate(file, 0, (off_t)share->size);
+    int failed = posix_fallocate(file, 0, (off_t)segment->size);
     if (!failed) {
-        share->block = mmap(NULL, share->size, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
-        failed = share->block == MAP_FAILED ? errno : 0;
+        segment->block = mmap(NULL, segment->size, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+        failed = segment->block == MAP_FAILED ? errno : 0;
     }
     close(file);
     if (!failed)
         return GW_OK;
-    share->block = NULL;
+    segment->block = NULL;
     return gw_fail(
         error, GW_MACHINE,
         "%s has no room for the scene and octree (%.0f MiB): %s; make it larger or lower octree_depth", path,
-        (double)share->size / 1048576.0, strerror(failed));
+        (double)segment->size / 1048576.0, strerror(failed));
 }
 
-static gw_code open_segment(gw_share *share, const char *name, gw_error *error) {
+static gw_code open_segment(gw_segment *segment, const char *name, gw_error *error) {
     int file = shm_open(name, O_RDONLY, 0);
     if (file < 0)
         return gw_fail(error, GW_MACHINE, "the shared segment %s could not be opened: %s", name,
                        strerror(errno));
-    share->block = mmap(NULL, share->size, PROT_READ, MAP_SHARED, file, 0);
-    int failed = share->block == MAP_FAILED ? errno : 0;
+    segment->block = mmap(NULL, segment->size, PROT_READ, MAP_SHARED, file, 0);
+    int failed = segment->block == MAP_FAILED ? errno : 0;
     close(file);
     if (!failed)
         return GW_OK;
-    share->block = NULL;
+    segment->block = NULL;
     return gw_fail(error, GW_MACHINE, "the shared segment %s could not be mapped: %s", name,
                    strerror(failed));
 }
 
+/* What rank 0 shares: writes the block's bytes. */
+typedef struct source {
+    const gw_scene *scene;
+    const gw_octree *octree;
+} source;
+
+static size_t source_size(const source *from) {
+    return from->scene    ? gw_pack_scene_size(from->scene)
+           : from->octree ? gw_pack_octree_size(from->octree)
+                          : 0;
+}
+
+static void write_source(const source *from, void *block) {
+    if (from->scene)
+        gw_pack_scene(from->scene, block);
+    else if (from->octree)
+        gw_pack_octree(from->octree, block);
+}
+
 /* Leaders: the bytes go from rank 0 to the first rank of every other machine, in chunks. */
-static gw_code fill_segment(gw_share *share, const gw_scene *scene, const gw_octree *octree, int64_t deadline,
-                            gw_error *error) {
-    if (scene)
-        gw_pack(scene, octree, share->block);
-    int leader_count = 0;
-    MPI_Comm_size(share->leaders, &leader_count);
-    for (size_t offset = 0; leader_count > 1 && offset < share->size; offset += CHUNK_BYTES) {
-        size_t left = share->size - offset;
+static gw_code fill_segment(gw_share *share, gw_segment *segment, const source *from, const char *what,
+                            int64_t deadline, gw_error *error) {
+    write_source(from, segment->block);
+    for (size_t offset = 0; share->machine_count > 1 && offset < segment->size; offset += CHUNK_BYTES) {
+        size_t left = segment->size - offset;
         gw_code code =
-            spread_bytes((uint8_t *)share->block + offset, left < CHUNK_BYTES ? (int)left : CHUNK_BYTES,
-                         share->leaders, deadline, "sending the octree to other machines", error);
+            spread_bytes((uint8_t *)segment->block + offset, left < CHUNK_BYTES ? (int)left : CHUNK_BYTES,
+                         share->leaders, deadline, what, error);
         if (code)
             return code;
     }
-    if (mprotect(share->block, share->size, PROT_READ))
+    if (mprotect(segment->block, segment->size, PROT_READ))
         return gw_fail(error, GW_MACHINE, "the shared segment could not be made read-only: %s",
                        strerror(errno));
     return GW_OK;
 }
 
-gw_code gw_share_spread(gw_share *share, const gw_scene *scene, const gw_octree *octree, int64_t deadline,
-                        gw_error *error) {
-    uint64_t size = scene ? gw_pack_size(scene, octree) : 0;
+/* One block from rank 0 to a segment of every machine. */
+static gw_code spread(gw_share *share, gw_segment *segment, const source *from, const char *what,
+                      int64_t deadline, gw_error *error) {
+    uint64_t size = source_size(from);
     char name[NAME_BYTES] = "";
-    gw_code code = spread_bytes(&size, (int)sizeof size, MPI_COMM_WORLD, deadline,
-                                "waiting for the scene and octree", error);
+    gw_code code = spread_bytes(&size, (int)sizeof size, MPI_COMM_WORLD, deadline, what, error);
     if (code)
         return code;
-    share->size = (size_t)size;
+    segment->size = (size_t)size;
     if (share->is_leader) {
         gw_share_sweep();
-        code = make_segment(share, name, error);
+        code = make_segment(segment, name, error);
         if (!code)
-            code = fill_segment(share, scene, octree, deadline, error);
+            code = fill_segment(share, segment, from, what, deadline, error);
         if (code) { /* the others wait for a name that never comes: the launcher ends them */
             remove_segment(name);
             return code;
         }
     }
-    code = spread_bytes(name, NAME_BYTES, share->machine, deadline, "waiting for the shared segment", error);
+    code = spread_bytes(name, NAME_BYTES, share->machine, deadline, what, error);
     if (!code && !share->is_leader)
-        code = open_segment(share, name, error);
+        code = open_segment(segment, name, error);
     MPI_Request request;
     if (!code)
-        code = gw_mpi_check(MPI_Ibarrier(share->machine, &request), "mapping the shared segment", error);
+        code = gw_mpi_check(MPI_Ibarrier(share->machine, &request), what, error);
     if (!code)
-        code = gw_mpi_wait(&request, deadline, "mapping the shared segment", error);
+        code = gw_mpi_wait(&request, deadline, what, error);
     if (share->is_leader)
         remove_segment(name);
-    return code ? code : gw_unpack(share->block, share->size, &share->contents, error);
+    return code;
+}
+
+gw_code gw_share_scene(gw_share *share, const gw_scene *scene, int64_t deadline, gw_error *error) {
+    gw_segment *segment = &share->scene_segment;
+    const source from = {.scene = scene};
+    gw_code code = spread(share, segment, &from, "waiting for the scene", deadline, error);
+    return code ? code : gw_unpack_scene(segment->block, segment->size, &share->scene, error);
+}
+
+gw_code gw_share_octree(gw_share *share, const gw_octree *octree, int64_t deadline, gw_error *error) {
+    gw_segment *segment = &share->octree_segment;
+    const source from = {.octree = octree};
+    gw_code code = spread(share, segment, &from, "waiting for the octree", deadline, error);
+    return code ? code : gw_unpack_octree(segment->block, segment->size, &share->octree, error);
+}
+
+static void unmap(gw_segment *segment) {
+    if (segment->block)
+        munmap(segment->block, segment->size);
+    *segment = (gw_segment){0};
 }
 
 void gw_share_finish(gw_share *share) {
-    gw_unpacked_finish(&share->contents);
-    if (share->block)
-        munmap(share->block, share->size);
-    share->block = NULL;
+    gw_unpacked_scene_finish(&share->scene);
+    unmap(&share->scene_segment);
+    unmap(&share->octree_segment);
 }

@@ -9,30 +9,39 @@
 
 #include "base/status.h"
 #include "build/octree.h"
-#include "build/pack.h"
+#include "build/pack_scene.h"
 #include "build/scene.h"
 
 #include <mpi.h>
 #include <stddef.h>
 #include <stdint.h>
 
+/* A segment as this rank sees it. */
+typedef struct gw_segment {
+    void *block; /* mapped read-only, NULL before it is shared */
+    size_t size;
+} gw_segment;
+
 typedef struct gw_share {
     MPI_Comm machine; /* the ranks of this machine */
     MPI_Comm leaders; /* the first rank of each machine; MPI_COMM_NULL on the others */
     int is_leader;
-    void *block; /* mapped read-only */
-    size_t size;
-    gw_unpacked contents;
+    int machine_count; /* known to the leaders */
+    gw_segment scene_segment, octree_segment;
+    gw_unpacked_scene scene;
+    gw_octree octree;
 } gw_share;
 
 /* Finds out who shares a machine. Call right after MPI_Init, when all ranks arrive together. machines > 1
  * pretends that the ranks stand on so many machines, to test on one what several do. */
 gw_code gw_share_init(gw_share *share, int machines, gw_error *error);
 
-/* Rank 0 gives scene and octree, the others NULL; on return share->contents holds both on every rank. Waits
- * until deadline (gw_now_ns clock). */
-gw_code gw_share_spread(gw_share *share, const gw_scene *scene, const gw_octree *octree, int64_t deadline,
-                        gw_error *error);
+/* Rank 0 gives the scene, the others NULL; on return share->scene holds it on every rank. Waits until
+ * deadline (gw_now_ns clock). */
+gw_code gw_share_scene(gw_share *share, const gw_scene *scene, int64_t deadline, gw_error *error);
+
+/* The same for the octree, in share->octree. */
+gw_code gw_share_octree(gw_share *share, const gw_octree *octree, int64_t deadline, gw_error *error);
 
 void gw_share_finish(gw_share *share);
 

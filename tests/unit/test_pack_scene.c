@@ -1,22 +1,19 @@
-/* Scene and octree as one block: everything comes back, equal input gives equal bytes, damage is noticed. */
+/* A scene as one block: everything comes back, equal input gives equal bytes, damage is noticed. */
 #include "tests/support/check.h"
 
-#include "build/pack.h"
+#include "build/pack_scene.h"
 
-enum { VERTICES = 5, TRIANGLES = 3, NODES = 4, REFERENCES = 6 };
+enum { VERTICES = 5, TRIANGLES = 3 };
 
 typedef struct fixture {
     gw_scene scene;
-    gw_octree octree;
     float positions[VERTICES][3], normals[VERTICES][3], texcoords[VERTICES][2];
     uint8_t colors[VERTICES][4], red[2 * 3 * 4], blue[4];
-    uint32_t triangles[TRIANGLES][3], material_of[TRIANGLES], references[REFERENCES];
+    uint32_t triangles[TRIANGLES][3], material_of[TRIANGLES], welded[VERTICES];
     gw_material materials[2];
     gw_texture textures[2];
     gw_light lights[1];
     gw_viewpoint viewpoints[1];
-    gw_node nodes[NODES];
-    gw_payload payloads[NODES];
     char path[8];
 } fixture;
 
@@ -33,6 +30,7 @@ static void fill_scene(fixture *f) {
             f->normals[i][k] = k == 2;
         }
         f->texcoords[i][0] = (float)i;
+        f->welded[i] = (uint32_t)i / 2;
         memset(f->colors[i], i, 4);
     }
     const uint32_t triangles[TRIANGLES][3] = {{0, 1, 2}, {1, 2, 3}, {2, 3, 4}};
@@ -42,6 +40,8 @@ static void fill_scene(fixture *f) {
     s->normals = f->normals[0];
     s->texcoords = f->texcoords[0];
     s->colors = f->colors[0];
+    s->welded = f->welded;
+    s->welded_count = 3;
     s->triangles = f->triangles;
     s->material_of = f->material_of;
     s->material_count = 2;
@@ -69,41 +69,20 @@ static void fill_scene(fixture *f) {
     s->bounds[1][2] = 7;
 }
 
-static void fill_octree(fixture *f) {
-    gw_octree *o = &f->octree;
-    o->depth = 2;
-    o->node_count = NODES;
-    o->reference_count = REFERENCES;
-    o->level_begin[1] = 1;
-    o->level_begin[2] = o->level_begin[3] = NODES;
-    o->nodes = f->nodes;
-    o->payloads = f->payloads;
-    o->references = f->references;
-    o->hash = (gw_hash){3, 4};
-    o->statistics.pairs = 11;
-    for (uint32_t i = 0; i < NODES; i++) {
-        f->nodes[i] = (gw_node){i, i * 2};
-        f->payloads[i] = (gw_payload){i, i + 1, i + 2};
-    }
-    for (uint32_t i = 0; i < REFERENCES; i++)
-        f->references[i] = i * 7;
-}
-
 static fixture *make_fixture(void) {
     fixture *f = calloc(1, sizeof *f);
     assert_non_null(f);
     fill_scene(f);
-    fill_octree(f);
     return f;
 }
 
 static void *pack(const fixture *f, size_t *size) {
-    *size = gw_pack_size(&f->scene, &f->octree);
+    *size = gw_pack_scene_size(&f->scene);
     assert_true(*size % 64 == 0);
     void *block = aligned_alloc(64, *size);
     assert_non_null(block);
     memset(block, 0xa5, *size);
-    gw_pack(&f->scene, &f->octree, block);
+    gw_pack_scene(&f->scene, block);
     return block;
 }
 
@@ -112,8 +91,8 @@ static void everything_comes_back(void **state) {
     fixture *f = make_fixture();
     size_t size;
     void *block = pack(f, &size);
-    gw_unpacked u;
-    check_ok(gw_unpack(block, size, &u, &error));
+    gw_unpacked_scene u;
+    check_ok(gw_unpack_scene(block, size, &u, &error));
     const gw_scene *s = &u.scene;
     assert_string_equal(s->path, "made");
     assert_memory_equal(&s->hash, &f->scene.hash, sizeof s->hash);
@@ -121,6 +100,8 @@ static void everything_comes_back(void **state) {
     assert_memory_equal(s->positions, f->positions, sizeof f->positions);
     assert_memory_equal(s->normals, f->normals, sizeof f->normals);
     assert_memory_equal(s->texcoords, f->texcoords, sizeof f->texcoords);
+    assert_int_equal(s->welded_count, 3);
+    assert_memory_equal(s->welded, f->welded, sizeof f->welded);
     assert_memory_equal(s->colors, f->colors, sizeof f->colors);
     assert_memory_equal(s->triangles, f->triangles, sizeof f->triangles);
     assert_memory_equal(s->material_of, f->material_of, sizeof f->material_of);
@@ -139,16 +120,7 @@ static void everything_comes_back(void **state) {
     assert_int_equal(s->placement.kind, GW_PLACE_VIEWPOINT);
     assert_true(s->placement.scale == 3 && s->centre[0] == 1.0 / 3 && s->exponent == -4 &&
                 s->bounds[1][2] == 7);
-    const gw_octree *o = &u.octree;
-    assert_int_equal(o->depth, 2);
-    assert_memory_equal(o->level_begin, f->octree.level_begin, sizeof o->level_begin);
-    assert_memory_equal(o->nodes, f->nodes, sizeof f->nodes);
-    assert_memory_equal(o->payloads, f->payloads, sizeof f->payloads);
-    assert_memory_equal(o->references, f->references, sizeof f->references);
-    assert_memory_equal(&o->hash, &f->octree.hash, sizeof o->hash);
-    assert_int_equal(o->statistics.pairs, 11);
-    assert_true(o->borrowed);
-    gw_unpacked_finish(&u);
+    gw_unpacked_scene_finish(&u);
     free(block);
     free(f);
 }
@@ -159,10 +131,10 @@ static void no_colors_stay_none(void **state) {
     f->scene.colors = NULL;
     size_t size;
     void *block = pack(f, &size);
-    gw_unpacked u;
-    check_ok(gw_unpack(block, size, &u, &error));
+    gw_unpacked_scene u;
+    check_ok(gw_unpack_scene(block, size, &u, &error));
     assert_null(u.scene.colors);
-    gw_unpacked_finish(&u);
+    gw_unpacked_scene_finish(&u);
     free(block);
     free(f);
 }
@@ -185,16 +157,20 @@ static void damage_is_noticed(void **state) {
     fixture *f = make_fixture();
     size_t size;
     uint8_t *block = pack(f, &size);
-    gw_unpacked u;
-    check_fails(gw_unpack(block, size - 64, &u, &error), GW_BAD_INPUT, "damaged");
-    check_fails(gw_unpack(block, 16, &u, &error), GW_BAD_INPUT, "cut");
+    gw_unpacked_scene u;
+    check_fails(gw_unpack_scene(block, size - 64, &u, &error), GW_BAD_INPUT, "damaged");
+    check_fails(gw_unpack_scene(block, 16, &u, &error), GW_BAD_INPUT, "cut");
     f->triangles[2][1] = VERTICES;
-    gw_pack(&f->scene, &f->octree, block);
-    check_fails(gw_unpack(block, size, &u, &error), GW_BAD_INPUT, "a triangle's index");
+    gw_pack_scene(&f->scene, block);
+    check_fails(gw_unpack_scene(block, size, &u, &error), GW_BAD_INPUT, "a triangle's index");
     f->triangles[2][1] = 0;
+    f->welded[4] = 3;
+    gw_pack_scene(&f->scene, block);
+    check_fails(gw_unpack_scene(block, size, &u, &error), GW_BAD_INPUT, "a welded vertex");
+    f->welded[4] = 2;
     f->materials[1].base_color_texture = 2;
-    gw_pack(&f->scene, &f->octree, block);
-    check_fails(gw_unpack(block, size, &u, &error), GW_BAD_INPUT, "a material's texture");
+    gw_pack_scene(&f->scene, block);
+    check_fails(gw_unpack_scene(block, size, &u, &error), GW_BAD_INPUT, "a material's texture");
     free(block);
     free(f);
 }
@@ -208,11 +184,11 @@ static void a_flipped_head_is_harmless(void **state) {
     uint8_t *block = pack(f, &size);
     int refused = 0;
     for (size_t i = 0; i < 1024 && i < size; i++) {
-        gw_unpacked u;
+        gw_unpacked_scene u;
         gw_error error = {0};
         block[i] ^= 0x40;
-        if (gw_unpack(block, size, &u, &error) == GW_OK)
-            gw_unpacked_finish(&u);
+        if (gw_unpack_scene(block, size, &u, &error) == GW_OK)
+            gw_unpacked_scene_finish(&u);
         else
             refused++;
         block[i] ^= 0x40;

@@ -1,6 +1,7 @@
-#include "build/pack.h"
+#include "build/pack_scene.h"
 
 #include "base/memory.h"
+#include "build/block.h"
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -19,17 +20,10 @@ typedef enum section {
     PIXELS,
     LIGHTS,
     VIEWPOINTS,
-    NODES,
-    PAYLOADS,
-    REFERENCES,
-    EMISSIONS,
+    WELDED,
     PATH,
     SECTION_COUNT
 } section;
-
-typedef struct span {
-    uint64_t offset, size; /* bytes from the block's start */
-} span;
 
 typedef struct packed_texture {
     char name[256];
@@ -39,25 +33,20 @@ typedef struct packed_texture {
 } packed_texture;
 
 typedef struct header {
-    char magic[8];
-    uint64_t size;
-    gw_hash scene_hash, octree_hash;
+    gw_block_head head;
+    gw_hash hash;
     uint32_t vertex_count, triangle_count, material_count, texture_count, light_count, viewpoint_count;
-    uint32_t depth, node_count, reference_count, has_colors, has_emissions;
-    uint32_t level_begin[GW_OCTREE_MAXIMUM_DEPTH + 2];
+    uint32_t welded_count, has_colors;
     int32_t exponent;
     float ambient[3], background[3];
     double centre[3], bounds[2][3];
     gw_placement placement;
-    gw_octree_statistics statistics;
-    span sections[SECTION_COUNT];
+    gw_block_span sections[SECTION_COUNT];
 } header;
 
-static const char magic[8] = {'G', 'W', 'P', 'A', 'C', 'K', '0', '2'};
-
-static uint64_t align(uint64_t offset) {
-    return (offset + 63) & ~UINT64_C(63);
-}
+static const gw_block_head kind = {
+    .magic = {'G', 'W', 'S', 'C', 'E', 'N', 'E', ' '}, .version = 3, .section_count = SECTION_COUNT};
+static const char what[] = "the shared scene";
 
 /* Sizes of all sections from the counts of a header; the reader compares with what the block claims. */
 static void section_sizes(const header *head, uint64_t pixel_bytes, uint64_t path_bytes,
@@ -74,10 +63,7 @@ static void section_sizes(const header *head, uint64_t pixel_bytes, uint64_t pat
     sizes[PIXELS] = pixel_bytes;
     sizes[LIGHTS] = head->light_count * sizeof(gw_light);
     sizes[VIEWPOINTS] = head->viewpoint_count * sizeof(gw_viewpoint);
-    sizes[NODES] = head->node_count * sizeof(gw_node);
-    sizes[PAYLOADS] = head->node_count * sizeof(gw_payload);
-    sizes[REFERENCES] = head->reference_count * sizeof(uint32_t);
-    sizes[EMISSIONS] = head->has_emissions ? head->node_count * sizeof(uint32_t) : 0;
+    sizes[WELDED] = vertices * sizeof(uint32_t);
     sizes[PATH] = path_bytes;
 }
 
@@ -85,11 +71,10 @@ static uint64_t texture_bytes(const gw_texture *texture) {
     return (uint64_t)texture->image.width * texture->image.height * 4;
 }
 
-static void make_header(const gw_scene *scene, const gw_octree *octree, header *head) {
+static void make_header(const gw_scene *scene, header *head) {
     memset(head, 0, sizeof *head);
-    memcpy(head->magic, magic, sizeof magic);
-    head->scene_hash = scene->hash;
-    head->octree_hash = octree->hash;
+    head->head = kind;
+    head->hash = scene->hash;
     head->vertex_count = scene->vertex_count;
     head->triangle_count = scene->triangle_count;
     head->material_count = scene->material_count;
@@ -97,43 +82,31 @@ static void make_header(const gw_scene *scene, const gw_octree *octree, header *
     head->light_count = scene->light_count;
     head->viewpoint_count = scene->viewpoint_count;
     head->has_colors = scene->colors != NULL;
-    head->depth = octree->depth;
-    head->node_count = octree->node_count;
-    head->reference_count = octree->reference_count;
-    head->has_emissions = octree->emissions != NULL;
-    memcpy(head->level_begin, octree->level_begin, sizeof head->level_begin);
+    head->welded_count = scene->welded_count;
     head->exponent = scene->exponent;
     memcpy(head->ambient, scene->ambient, sizeof head->ambient);
     memcpy(head->background, scene->background, sizeof head->background);
     memcpy(head->centre, scene->centre, sizeof head->centre);
     memcpy(head->bounds, scene->bounds, sizeof head->bounds);
     head->placement = scene->placement;
-    head->statistics = octree->statistics;
 
-    uint64_t pixel_bytes = 0, sizes[SECTION_COUNT], offset = align(sizeof *head);
+    uint64_t pixel_bytes = 0, sizes[SECTION_COUNT];
     for (uint32_t i = 0; i < scene->texture_count; i++)
-        pixel_bytes += align(texture_bytes(&scene->textures[i]));
+        pixel_bytes += gw_block_align(texture_bytes(&scene->textures[i]));
     section_sizes(head, pixel_bytes, scene->path ? strlen(scene->path) + 1 : 1, sizes);
-    for (int i = 0; i < SECTION_COUNT; i++) {
-        head->sections[i] = (span){.offset = offset, .size = sizes[i]};
-        offset = align(offset + sizes[i]);
-    }
-    head->size = offset;
+    for (int i = 0; i < SECTION_COUNT; i++)
+        head->sections[i].size = sizes[i];
+    head->head.size = gw_block_place(sizeof *head, head->sections, SECTION_COUNT);
 }
 
-size_t gw_pack_size(const gw_scene *scene, const gw_octree *octree) {
+size_t gw_pack_scene_size(const gw_scene *scene) {
     header head;
-    make_header(scene, octree, &head);
-    return (size_t)head.size;
+    make_header(scene, &head);
+    return (size_t)head.head.size;
 }
 
-static void put(uint8_t *block, const header *head, section part, const void *data) {
-    const span *where = &head->sections[part];
-    if (where->size > 0)
-        memcpy(block + where->offset, data, where->size);
-}
-
-static void put_textures(uint8_t *block, const header *head, const gw_scene *scene) {
+static void put_textures(void *block_bytes, const header *head, const gw_scene *scene) {
+    uint8_t *block = block_bytes;
     packed_texture *textures = (packed_texture *)(void *)(block + head->sections[TEXTURES].offset);
     uint8_t *pixels = block + head->sections[PIXELS].offset;
     uint64_t offset = 0;
@@ -147,58 +120,43 @@ static void put_textures(uint8_t *block, const header *head, const gw_scene *sce
         to->wrap_v = (int32_t)from->wrap_v;
         to->offset = offset;
         memcpy(pixels + offset, from->image.rgba, texture_bytes(from));
-        offset += align(texture_bytes(from));
+        offset += gw_block_align(texture_bytes(from));
     }
 }
 
-void gw_pack(const gw_scene *scene, const gw_octree *octree, void *block) {
+void gw_pack_scene(const gw_scene *scene, void *block) {
     header head;
-    make_header(scene, octree, &head);
-    /* Gaps between sections are zero, so that equal input gives equal bytes. */
-    memset(block, 0, (size_t)head.size);
+    make_header(scene, &head);
+    const void *arrays[SECTION_COUNT] = {
+        [POSITIONS] = scene->positions,         [NORMALS] = scene->normals,
+        [TEXCOORDS] = scene->texcoords,         [COLORS] = scene->colors,
+        [TRIANGLES] = scene->triangles,         [MATERIAL_OF] = scene->material_of,
+        [MATERIALS] = scene->materials,         [LIGHTS] = scene->lights,
+        [VIEWPOINTS] = scene->viewpoints,       [WELDED] = scene->welded,
+        [PATH] = scene->path ? scene->path : ""};
+    memset(block, 0, (size_t)head.head.size);
     memcpy(block, &head, sizeof head);
-    put(block, &head, POSITIONS, scene->positions);
-    put(block, &head, NORMALS, scene->normals);
-    put(block, &head, TEXCOORDS, scene->texcoords);
-    put(block, &head, COLORS, scene->colors);
-    put(block, &head, TRIANGLES, scene->triangles);
-    put(block, &head, MATERIAL_OF, scene->material_of);
-    put(block, &head, MATERIALS, scene->materials);
+    for (int i = 0; i < SECTION_COUNT; i++)
+        if (arrays[i])
+            gw_block_put(block, &head.sections[i], arrays[i]);
     put_textures(block, &head, scene);
-    put(block, &head, LIGHTS, scene->lights);
-    put(block, &head, VIEWPOINTS, scene->viewpoints);
-    put(block, &head, NODES, octree->nodes);
-    put(block, &head, EMISSIONS, octree->emissions);
-    put(block, &head, PAYLOADS, octree->payloads);
-    put(block, &head, REFERENCES, octree->references);
-    put(block, &head, PATH, scene->path ? scene->path : "");
 }
 
 /* --- reading back
  * ---------------------------------------------------------------------------------------------- */
 
-static gw_code broken(gw_error *error, const char *what) {
-    return gw_fail(error, GW_BAD_INPUT, "the shared scene is damaged (%s); start again", what);
+static gw_code broken(gw_error *error, const char *why) {
+    return gw_fail(error, GW_BAD_INPUT, "%s is damaged (%s); start again", what, why);
 }
 
 static gw_code check_sections(const uint8_t *block, size_t size, const header *head, gw_error *error) {
-    if (memcmp(head->magic, magic, sizeof magic) || head->size != size)
-        return broken(error, "its head or size is wrong");
     uint64_t sizes[SECTION_COUNT];
     section_sizes(head, head->sections[PIXELS].size, head->sections[PATH].size, sizes);
-    for (int i = 0; i < SECTION_COUNT; i++) {
-        const span *part = &head->sections[i];
-        if (part->size != sizes[i] || part->offset % 64 || part->offset > size ||
-            part->size > size - part->offset)
-            return broken(error, "a section lies outside");
-    }
-    const span *path = &head->sections[PATH];
-    if (path->size < 1 || block[path->offset + path->size - 1])
-        return broken(error, "its name has no end");
-    if (head->depth < 1 || head->depth > GW_OCTREE_MAXIMUM_DEPTH || head->node_count < 1 ||
-        head->reference_count < 1)
-        return broken(error, "its octree is empty");
-    return GW_OK;
+    gw_code code = gw_block_check_spans(head->sections, sizes, SECTION_COUNT, size, what, error);
+    const gw_block_span *path = &head->sections[PATH];
+    if (!code && (path->size < 1 || block[path->offset + path->size - 1]))
+        code = broken(error, "its name has no end");
+    return code;
 }
 
 static gw_code check_indices(const gw_scene *scene, gw_error *error) {
@@ -208,6 +166,9 @@ static gw_code check_indices(const gw_scene *scene, gw_error *error) {
             corners[2] >= scene->vertex_count || scene->material_of[i] >= scene->material_count)
             return broken(error, "a triangle's index is out of range");
     }
+    for (uint32_t i = 0; i < scene->vertex_count; i++)
+        if (scene->welded[i] >= scene->welded_count)
+            return broken(error, "a welded vertex is out of range");
     for (uint32_t i = 0; i < scene->material_count; i++) {
         int32_t texture = scene->materials[i].base_color_texture;
         if (texture < -1 || texture >= (int64_t)scene->texture_count)
@@ -216,7 +177,7 @@ static gw_code check_indices(const gw_scene *scene, gw_error *error) {
     return GW_OK;
 }
 
-static gw_code view_textures(uint8_t *block, const header *head, gw_unpacked *out, gw_error *error) {
+static gw_code view_textures(uint8_t *block, const header *head, gw_unpacked_scene *out, gw_error *error) {
     gw_code code = gw_allocate((void **)&out->textures, head->texture_count, sizeof *out->textures,
                                "texture table", error);
     if (code)
@@ -245,9 +206,11 @@ static gw_code view_textures(uint8_t *block, const header *head, gw_unpacked *ou
 static void view_scene(uint8_t *block, const header *head, gw_scene *scene) {
 #define AT(part) ((void *)(block + head->sections[part].offset))
     scene->path = AT(PATH);
-    scene->hash = head->scene_hash;
+    scene->hash = head->hash;
     scene->vertex_count = head->vertex_count;
     scene->positions = AT(POSITIONS);
+    scene->welded = AT(WELDED);
+    scene->welded_count = head->welded_count;
     scene->normals = AT(NORMALS);
     scene->texcoords = AT(TEXCOORDS);
     scene->colors = head->has_colors ? AT(COLORS) : NULL;
@@ -270,42 +233,30 @@ static void view_scene(uint8_t *block, const header *head, gw_scene *scene) {
 #undef AT
 }
 
-static void view_octree(uint8_t *block, const header *head, gw_octree *octree) {
-    octree->depth = head->depth;
-    octree->node_count = head->node_count;
-    octree->reference_count = head->reference_count;
-    memcpy(octree->level_begin, head->level_begin, sizeof octree->level_begin);
-    octree->nodes = (void *)(block + head->sections[NODES].offset);
-    octree->payloads = (void *)(block + head->sections[PAYLOADS].offset);
-    octree->references = (void *)(block + head->sections[REFERENCES].offset);
-    octree->emissions = head->has_emissions ? (void *)(block + head->sections[EMISSIONS].offset) : NULL;
-    octree->hash = head->octree_hash;
-    octree->borrowed = 1;
-    octree->statistics = head->statistics;
-}
-
-gw_code gw_unpack(const void *block, size_t size, gw_unpacked *out, gw_error *error) {
+gw_code gw_unpack_scene(const void *block, size_t size, gw_unpacked_scene *out, gw_error *error) {
     memset(out, 0, sizeof *out);
-    if (size < sizeof(header))
-        return broken(error, "it is cut");
+    gw_code code = gw_block_check_head(block, size, &kind, what, error);
+    if (code)
+        return code;
     header head;
+    if (size < sizeof head)
+        return broken(error, "it is cut");
     memcpy(&head, block, sizeof head);
-    gw_code code = check_sections(block, size, &head, error);
+    code = check_sections(block, size, &head, error);
     if (code)
         return code;
     /* gw_scene has no const pointers because its makers fill it; nobody writes through these. */
     uint8_t *bytes = (uint8_t *)(uintptr_t)block;
     view_scene(bytes, &head, &out->scene);
-    view_octree(bytes, &head, &out->octree);
     code = view_textures(bytes, &head, out, error);
     if (!code)
         code = check_indices(&out->scene, error);
     if (code)
-        gw_unpacked_finish(out);
+        gw_unpacked_scene_finish(out);
     return code;
 }
 
-void gw_unpacked_finish(gw_unpacked *unpacked) {
+void gw_unpacked_scene_finish(gw_unpacked_scene *unpacked) {
     free(unpacked->textures);
     memset(unpacked, 0, sizeof *unpacked);
 }

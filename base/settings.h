@@ -30,6 +30,8 @@
            "off gives the same pixels at tau 0", "refine leaves whose triangles are a small isolated thing")           \
     GW_ROW(payload_texture_side, INTEGER, 256, 1, 4096, "", BUILD, "texels", "blur of textures in voxels against memory",      \
            "4096", "textures enter the voxels' colours through mip chains of at most this side")                       \
+    GW_ROW(payload_rule, CHOICE, 0, 0, 1, "area|seed", BUILD, "", "colour and coverage of voxels against build time",   \
+           "area", "how voxels average: by clipped area, or as Weier et al. 2014: every fragment alike, voxels solid") \
     GW_ROW(geometry, CHOICE, 0, 0, 2, "hybrid|triangles|voxels", FRAME, "", "voxel error against triangle tests",       \
            "triangles", "what rays meet: triangles and voxels by footprint, triangles only, or finest voxels only")    \
     GW_ROW(tau, REAL, 1.0, 0.0, 64.0, "", FRAME, "footprints", "voxel error against steps and tests", "tau 0",         \
@@ -93,6 +95,7 @@ typedef enum gw_setting_kind {
     GW_SETTING_CHOICE
 } gw_setting_kind;
 typedef enum gw_setting_stage { GW_SETTING_BUILD, GW_SETTING_FRAME } gw_setting_stage;
+enum { GW_PAYLOAD_AREA, GW_PAYLOAD_SEED };
 enum { GW_GEOMETRY_HYBRID, GW_GEOMETRY_TRIANGLES, GW_GEOMETRY_VOXELS };
 enum { GW_FILTER_NEAREST, GW_FILTER_BILINEAR, GW_FILTER_TRILINEAR };
 enum { GW_PRECISION_FLOAT, GW_PRECISION_DOUBLE };

@@ -138,35 +138,37 @@ static int scene_emits(const gw_scene *scene) {
 }
 
 /* The leaf kernel reads only what the scene has. */
-static void leaf_defines(const gw_scene *scene, const char *emission, char *text, size_t size) {
+static void leaf_defines(const gw_scene *scene, const char *common, char *text, size_t size) {
     int normals = 0, textures = 0;
     for (size_t i = 0; !normals && i < (size_t)scene->vertex_count * 3; ++i)
         normals = scene->normals[i] != 0;
     for (uint32_t m = 0; !textures && m < scene->material_count; ++m)
         textures = scene->materials[m].base_color_texture >= 0;
-    snprintf(text, size, "%s%s%s%s", emission, normals ? "#define GW_NORMALS 1\n" : "",
+    snprintf(text, size, "%s%s%s%s", common, normals ? "#define GW_NORMALS 1\n" : "",
              textures ? "#define GW_TEXTURES 1\n" : "", scene->colors ? "#define GW_COLORS 1\n" : "");
 }
 
 static gw_code start_stage(payload_stage *stage, gw_error *error) {
     gw_gl *device = stage->builder->device;
     int emits = scene_emits(stage->builder->scene);
-    const char *emission = emits ? "#define GW_EMISSION 1\n" : "";
+    int seed = stage->builder->settings->payload_rule == GW_PAYLOAD_SEED;
+    char common[64], defines[192];
+    snprintf(common, sizeof common, "%s%s", emits ? "#define GW_EMISSION 1\n" : "",
+             seed ? "#define GW_SEED_RULE 1\n" : "");
     stage->sum_bytes = (size_t)(emits ? 5 : 4) * ROW_BYTES;
     uint64_t nodes = (uint64_t)gw_gl_limits_of(device)->storage_block_bytes / stage->sum_bytes;
     /* A window begins at a multiple of 16 nodes, 1024 or 1280 bytes: every driver's offset alignment divides
      * that. */
     stage->window_nodes = (uint32_t)(nodes < (1u << 30) ? nodes : 1u << 30) & ~15u;
-    char defines[128];
-    leaf_defines(stage->builder->scene, emission, defines, sizeof defines);
+    leaf_defines(stage->builder->scene, common, defines, sizeof defines);
     gw_code code = gw_gl_program(device, "build/payload_leaf.comp", defines, &stage->leaf_program, error);
     if (code == GW_OK && emits)
         code = gw_allocate((void **)&stage->octree->emissions, stage->octree->node_count,
                            sizeof *stage->octree->emissions, "emissions of voxels", error);
     if (code == GW_OK)
-        code = gw_gl_program(device, "build/payload_inner.comp", emission, &stage->inner_program, error);
+        code = gw_gl_program(device, "build/payload_inner.comp", common, &stage->inner_program, error);
     if (code == GW_OK)
-        code = gw_gl_program(device, "build/payload_encode.comp", emission, &stage->encode_program, error);
+        code = gw_gl_program(device, "build/payload_encode.comp", common, &stage->encode_program, error);
     if (code == GW_OK)
         code = gw_gl_buffer_create(device, "references", (size_t)gw_octree_reference_bytes(stage->octree),
                                    stage->octree->references, GL_R32UI, &stage->references, error);

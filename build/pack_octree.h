@@ -3,7 +3,7 @@
 /* clang-format off */
 /* The block, all numbers in the order of this machine's bytes; columns are offset, bytes, contents:
  *   0    8    "GWOCTREE"
- *   8    4    version, 4
+ *   8    4    GW_OCTREE_BLOCK_VERSION
  *   12   4    sections, GW_OCTREE_SECTIONS
  *   16   8    size of the block in bytes
  *   24   16   hash of the octree (gw_octree.hash), high and low half
@@ -25,7 +25,7 @@
 
 #include <stddef.h>
 
-enum { GW_OCTREE_BLOCK_VERSION = 4, GW_OCTREE_SECTIONS = 4 };
+enum { GW_OCTREE_BLOCK_VERSION = 5, GW_OCTREE_SECTIONS = 4 };
 
 /* Bytes that gw_pack_octree writes. */
 size_t gw_pack_octree_size(const gw_octree *octree);

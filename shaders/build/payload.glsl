@@ -1,6 +1,10 @@
 // What the payload kernels share: the sums that a node carries upwards. All are proportional to area, in units of the
 // face area of the node's own cell, so a parent's sums are a quarter of its children's. Sums run in child order and list
 // order, precise: the same bits on every device.
+//
+// With GW_SEED_RULE (payload_rule = seed, the averaging of Weier et al. 2014) every triangle of a leaf and every child of
+// an inner cell weighs 1, whatever its area: `area` counts them, `aligned` is the normal that a zero sum falls back to, and
+// `moment` holds the sum of opacities and 1 + the highest triangle id, whose normal that is.
 #include "common/shared.h"
 
 struct surface_sum {
@@ -40,14 +44,20 @@ surface_sum empty_sum() {
 }
 
 void add_surface(inout surface_sum sum, surface_sum addend) {
+#ifdef GW_SEED_RULE
+    bool later = addend.aligned != vec3(0.0) && addend.moment.y >= sum.moment.y;
+    vec3 aligned = later ? addend.aligned : sum.aligned;
+    vec3 moment = vec3(sum.moment.x + addend.moment.x, max(sum.moment.y, addend.moment.y), 0.0);
+#else
     precise float side = sum.aligned.x * addend.aligned.x + sum.aligned.y * addend.aligned.y + sum.aligned.z * addend.aligned.z;
+    precise vec3 aligned = sum.aligned + (side < 0.0 ? -addend.aligned : addend.aligned);
+    precise vec3 moment = sum.moment + addend.moment;
+#endif
     precise float area = sum.area + addend.area;
     precise vec3 color = sum.color + addend.color;
     precise vec3 normal = sum.normal + addend.normal;
-    precise vec3 aligned = sum.aligned + (side < 0.0 ? -addend.aligned : addend.aligned);
     precise float roughness = sum.roughness + addend.roughness;
     precise float metalness = sum.metalness + addend.metalness;
-    precise vec3 moment = sum.moment + addend.moment;
 #ifdef GW_EMISSION
     precise vec3 emission = sum.emission + addend.emission;
     sum = surface_sum(area, color, normal, aligned, roughness, metalness, moment, emission);

@@ -1,5 +1,5 @@
 // Payload words of all nodes of a window from their sums: shared.h says what the bits mean.
-// variants: GW_EMISSION=1;
+// variants: GW_EMISSION=1; GW_SEED_RULE=1
 #include "build/payload.glsl"
 #include "common/fixed_math.glsl"
 
@@ -54,6 +54,40 @@ float length_of(vec3 v) {
     return gw_square_root(square);
 }
 
+struct cell_shape {
+    vec3 direction;     // of the normal, any length
+    bool two_sided, none;
+    uint agreement;     // code
+    float offset, area; // of the surface along its normal, in sides; in face areas
+};
+
+#ifdef GW_SEED_RULE
+// A voxel that is hit is hit: a solid of the cell's mean opacity.
+cell_shape shape_of(surface_sum sum, float inverse_count) {
+    precise float opacity = sum.moment.x * inverse_count;
+    precise float thickness = opacity * gw_reciprocal(1.0 - opacity + opacity * (1.0 / GW_PAYLOAD_AREA_MOST));
+    vec3 direction = length_of(sum.normal) > 0.0 ? sum.normal : sum.aligned;
+    return cell_shape(direction, true, direction == vec3(0.0), GW_PAYLOAD_SOLID, 0.0, thickness);
+}
+#else
+cell_shape shape_of(surface_sum sum, float inverse_area) {
+    float straight = length_of(sum.normal);
+    float aligned = length_of(sum.aligned);
+    // Opposed normals have met where turning them to one side makes the sum at least twice as long.
+    bool two_sided = aligned > 2.0 * straight;
+    float longest = two_sided ? aligned : straight;
+    precise float flatness = longest * inverse_area;
+    bool none = max(straight, aligned) * inverse_area < 1.0e-3;
+    vec3 direction = two_sided ? sum.aligned : sum.normal;
+    uint agreement = encode_fraction(flatness, 255.0, 0.0, 255.0);
+    agreement -= two_sided && agreement == GW_PAYLOAD_SOLID ? 1u : 0u;
+    precise vec3 place = sum.moment * inverse_area - 0.5;
+    precise vec3 unit = direction * gw_reciprocal(max(longest, 0.0));
+    precise float offset = place.x * unit.x + place.y * unit.y + place.z * unit.z;
+    return cell_shape(direction, two_sided, none, agreement, offset, sum.area);
+}
+#endif
+
 void main() {
     uint node = job_index();
     if (node >= job_count)
@@ -65,22 +99,13 @@ void main() {
     precise vec3 emission = sum.emission * inverse_area;
     emissions[node] = encode_radiance(emission);
 #endif
-    float straight = length_of(sum.normal);
-    float aligned = length_of(sum.aligned);
-    // Opposed normals have met where turning them to one side makes the sum at least twice as long.
-    bool two_sided = aligned > 2.0 * straight;
-    precise float flatness = (two_sided ? aligned : straight) * inverse_area;
-    vec3 direction = two_sided ? sum.aligned : sum.normal;
-    bool none = max(straight, aligned) * inverse_area < 1.0e-3;
+    cell_shape shape = shape_of(sum, inverse_area);
     payloads[node * 3u] = encode_channel(color.x) | (encode_channel(color.y) << 10) | (encode_channel(color.z) << 20) |
-                          (two_sided ? GW_PAYLOAD_TWO_SIDED : 0u) | (none ? GW_PAYLOAD_NO_NORMAL : 0u);
-    payloads[node * 3u + 1u] = (none ? 0u : encode_normal(direction)) | (encode_fraction(flatness, 255.0, 0.0, 255.0) << 24);
-    precise vec3 place = sum.moment * inverse_area - 0.5;
-    precise vec3 unit = direction * gw_reciprocal(max(two_sided ? aligned : straight, 0.0));
-    precise float offset = place.x * unit.x + place.y * unit.y + place.z * unit.z;
-    float root = gw_square_root(sum.area);
+                          (shape.two_sided ? GW_PAYLOAD_TWO_SIDED : 0u) | (shape.none ? GW_PAYLOAD_NO_NORMAL : 0u);
+    payloads[node * 3u + 1u] = (shape.none ? 0u : encode_normal(shape.direction)) | (shape.agreement << 24);
+    float root = gw_square_root(shape.area);
     payloads[node * 3u + 2u] = encode_fraction(root, 4095.0 / 4.0, 0.0, 4095.0) |
-                               (encode_fraction(offset, GW_PAYLOAD_OFFSET_STEPS, 128.0, 255.0) << 12) |
+                               (encode_fraction(shape.offset, GW_PAYLOAD_OFFSET_STEPS, 128.0, 255.0) << 12) |
                                (encode_fraction(sum.roughness * inverse_area, 63.0, 0.0, 63.0) << 20) |
                                (encode_fraction(sum.metalness * inverse_area, 63.0, 0.0, 63.0) << 26);
 }

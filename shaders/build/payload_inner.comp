@@ -1,11 +1,38 @@
 // Sums of inner nodes: a quarter of the sum of their children, in child order.
-// variants: GW_EMISSION=1;
+// variants: GW_EMISSION=1; GW_SEED_RULE=1
 #include "build/payload.glsl"
+#include "common/fixed_math.glsl"
 
 layout(binding = 0) uniform samplerBuffer child_sums; // of the level below
 
 // Node in level, first child in its level, mask of children.
 layout(std430, binding = 1) readonly buffer Jobs { uvec4 jobs[]; };
+
+// What child k adds to its parent.
+surface_sum child_part(surface_sum part, uint k) {
+#ifdef GW_SEED_RULE
+    // The child's voxel: its mean, its normal made a unit again.
+    precise float square = part.normal.x * part.normal.x + part.normal.y * part.normal.y + part.normal.z * part.normal.z;
+    precise vec3 unit = part.normal * gw_reciprocal(gw_square_root(square));
+    float inverse = gw_reciprocal(part.area);
+    part.normal = unit == vec3(0.0) ? part.aligned : unit;
+    part.aligned = part.normal;
+    precise vec3 color = part.color * inverse;
+    part.color = color;
+    part.roughness *= inverse;
+    part.metalness *= inverse;
+    part.moment.x *= inverse;
+#ifdef GW_EMISSION
+    precise vec3 emission = part.emission * inverse;
+    part.emission = emission;
+#endif
+    part.area = 1.0;
+#else
+    precise vec3 place = 0.5 * (part.moment + vec3(k & 1u, (k >> 1) & 1u, k >> 2) * part.area);
+    part.moment = place;
+#endif
+    return part;
+}
 
 void main() {
     uint index = job_index();
@@ -20,14 +47,13 @@ void main() {
         int texel = child * int(SUM_ROWS);
         surface_sum part = unpack_sum(texelFetch(child_sums, texel), texelFetch(child_sums, texel + 1),
                                       texelFetch(child_sums, texel + 2), texelFetch(child_sums, texel + 3));
-        precise vec3 place = 0.5 * (part.moment + vec3(k & 1u, (k >> 1) & 1u, k >> 2) * part.area);
-        part.moment = place;
 #ifdef GW_EMISSION
         part.emission = texelFetch(child_sums, texel + 4).xyz;
 #endif
-        add_surface(sum, part);
+        add_surface(sum, child_part(part, k));
         ++child;
     }
+#ifndef GW_SEED_RULE
     sum.area *= 0.25;
     sum.color *= 0.25;
     sum.normal *= 0.25;
@@ -37,6 +63,7 @@ void main() {
     sum.moment *= 0.25;
 #ifdef GW_EMISSION
     sum.emission *= 0.25;
+#endif
 #endif
     store_sum(job.x - node_first, sum);
 }

@@ -5,7 +5,7 @@
 // the face's plane cuts the triangle. Area and centroid are integrals along that boundary, so no polygon is ever stored
 // (measured on llvmpipe against Sutherland-Hodgman clipping with arrays: docs/performance.md).
 // A triangle in a cell's face belongs to the cell on the upper side only, so nothing counts twice.
-// variants: GW_TEXTURES=1 GW_COLORS=1 GW_NORMALS=1 GW_EMISSION=1; GW_NORMALS=1;
+// variants: GW_TEXTURES=1 GW_COLORS=1 GW_NORMALS=1 GW_EMISSION=1; GW_NORMALS=1; GW_SEED_RULE=1
 #include "build/payload.glsl"
 #include "common/fixed_math.glsl"
 
@@ -225,12 +225,21 @@ surface_sum triangle_surface(uint triangle, vec3 low, float scale) {
     color = chain.z != 0u ? color * mean : color;
     mask = chain.z != 0u ? mean.w : mask; // the chain of a material with a cut-off holds the share of texels that pass it
 #endif
-    area = area * (finish.z == GW_OPAQUE ? 1.0 : finish.z == GW_MASK ? mask : color.w);
+    float opacity = finish.z == GW_OPAQUE ? 1.0 : finish.z == GW_MASK ? mask : color.w;
+#ifdef GW_SEED_RULE
+    area = 1.0;
+#else
+    area = area * opacity;
+#endif
     precise vec3 area_color = color.xyz * area;
     precise vec3 area_normal = normal * area;
     precise float area_roughness = finish.x * area;
     precise float area_metalness = finish.y * area;
+#ifdef GW_SEED_RULE
+    vec3 area_place = vec3(opacity, float(triangle) + 1.0, 0.0);
+#else
     precise vec3 area_place = middle * area;
+#endif
 #ifdef GW_EMISSION
     precise vec3 area_emission = texelFetch(material_texels, int(face.w) * 3 + 2).xyz * area;
     return surface_sum(area, area_color, area_normal, area_normal, area_roughness, area_metalness, area_place,

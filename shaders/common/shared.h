@@ -34,7 +34,8 @@
 //   x  bits 0-9, 10-19, 20-29: red, green, blue, sRGB-encoded to 10 bits; bit 30: two-sided (opposed normals met);
 //      bit 31: normal is meaningless (use the ray's).
 //   y  bits 0-11, 12-23: octahedral unit normal, 2047 for 0; bits 24-31: length of the mean normal in 1/255 (1: flat, 0: all
-//      ways).
+//      ways). Agreement GW_PAYLOAD_SOLID of a two-sided voxel is kept for octrees of payload_rule = seed: a solid voxel,
+//      whose area is its optical thickness (16: opaque).
 //   z  bits 0-11: area of the surface in the cell over the cell's face area, at most 16: area = 16 (code / 4095)^2, so that
 //      small things keep their digits; bits 12-19: where the surface lies along its normal, from the cell's centre, in
 //      1/144 of the cell's side, 128 for the centre; bits 20-25: perceptual roughness in 1/63; bits 26-31: metalness in 1/63.
@@ -42,6 +43,7 @@
 // cell's surface with a shared exponent, as GL's RGB9_E5: value = mantissa (9 bits each) * 2^(bits 27-31 - 24).
 #define GW_PAYLOAD_TWO_SIDED 0x40000000u
 #define GW_PAYLOAD_NO_NORMAL 0x80000000u
+#define GW_PAYLOAD_SOLID 252u
 #define GW_PAYLOAD_AREA_CODE(z) ((z) & 0xfffu)
 #define GW_PAYLOAD_OFFSET_CODE(z) (((z) >> 12) & 0xffu)
 #define GW_PAYLOAD_ROUGHNESS_CODE(z) (((z) >> 20) & 0x3fu)

@@ -2,6 +2,7 @@
 #include "tests/support/renders.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -89,6 +90,28 @@ gw_code gw_camera_picture(const gw_camera *camera, gw_renderer *renderer, uint8_
     gw_rectangle all = {0, 0, camera->side, camera->side};
     return gw_renderer_frame(renderer, &camera->placement, &camera->plane, &all, &camera->state, rgba,
                              counters, error);
+}
+
+static void must(gw_code code, const gw_error *error) {
+    if (code == GW_OK)
+        return;
+    fprintf(stderr, "%s\n", error->text);
+    abort();
+}
+
+uint8_t *gw_camera_take(const gw_camera *camera, gw_renderer *renderer, gw_counters *counters) {
+    gw_error error = {0};
+    uint8_t *rgba = calloc((size_t)camera->side * camera->side, 4);
+    must(rgba ? GW_OK : gw_fail(&error, GW_MACHINE, "no memory for a picture"), &error);
+    must(gw_camera_picture(camera, renderer, rgba, counters, &error), &error);
+    return rgba;
+}
+
+gw_renderer *gw_stage_renderer(const gw_stage *stage) {
+    gw_error error = {0};
+    gw_renderer *renderer = NULL;
+    must(gw_renderer_create(stage->device, stage->scene, stage->octree, NULL, &renderer, &error), &error);
+    return renderer;
 }
 
 double gw_mean_difference(const uint8_t *a, const uint8_t *b, size_t pixels) {

@@ -39,6 +39,10 @@ void gw_camera_gaze(gw_camera *camera, double pixel_x, double pixel_y, double ha
 gw_code gw_camera_picture(const gw_camera *camera, gw_renderer *renderer, uint8_t *rgba,
                           gw_counters *counters, gw_error *error);
 
+/* The same for tests that end when it fails: a picture to be freed, a renderer to be destroyed. */
+uint8_t *gw_camera_take(const gw_camera *camera, gw_renderer *renderer, gw_counters *counters);
+gw_renderer *gw_stage_renderer(const gw_stage *stage);
+
 /* Mean over pixels and channels of the difference, in 1/255. */
 double gw_mean_difference(const uint8_t *a, const uint8_t *b, size_t pixels);
 /* Mean linear value of the colour channels, 0..1. */

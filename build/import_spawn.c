@@ -19,6 +19,9 @@
 
 extern char **environ;
 
+/* Set in the child: a program that is no importer but calls gw_import would start itself without end. */
+#define IMPORTING "GAZEWALL_IMPORTING"
+
 enum { TAIL_SIZE = 2048, PIPE_CHUNK = 1 << 20, POLL_MS = 200 };
 
 typedef struct child {
@@ -35,6 +38,21 @@ static void close_end(int *end) {
     if (*end >= 0)
         close(*end);
     *end = -1;
+}
+
+/* This process's environment and the mark; free() it, not its texts. */
+static char **environment_of_child(void) {
+    static char mark[] = IMPORTING "=1";
+    size_t count = 0;
+    while (environ && environ[count])
+        count++;
+    char **copy = calloc(count + 2, sizeof *copy);
+    if (!copy)
+        return NULL;
+    if (count > 0)
+        memcpy(copy, environ, count * sizeof *copy);
+    copy[count] = mark;
+    return copy;
 }
 
 /* posix_spawn, never fork: the caller may be an MPI rank. Everything above standard error is closed in the
@@ -60,7 +78,9 @@ static int spawn(const char *program, char *const arguments[], int output, int m
     posix_spawnattr_setsigmask(&attributes, &none);
     posix_spawnattr_setsigdefault(&attributes, &all);
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-    failed = posix_spawn(pid, program, &actions, &attributes, arguments, environ);
+    char **environment = environment_of_child();
+    failed = environment ? posix_spawn(pid, program, &actions, &attributes, arguments, environment) : ENOMEM;
+    free(environment);
     posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&actions);
     return failed;
@@ -76,7 +96,9 @@ static gw_code start(child *self, const char *path, const gw_import_options *opt
     char *arguments[] = {name, verb, path_copy, seconds, bytes, NULL};
     int output[2] = {-1, -1}, messages[2] = {-1, -1}, failed = 0;
     gw_code code = GW_OK;
-    if (!path_copy || !verb || !name)
+    if (getenv(IMPORTING))
+        code = gw_fail(error, GW_MACHINE, "the importer '%s' is not gazewall: it started itself", program);
+    else if (!path_copy || !verb || !name)
         code = gw_fail(error, GW_MACHINE, "out of memory for the importer");
     else if (pipe2(output, O_CLOEXEC) != 0 || pipe2(messages, O_CLOEXEC) != 0)
         code = gw_fail(error, GW_MACHINE, "a pipe for the importer could not be made: %s", strerror(errno));

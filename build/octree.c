@@ -183,7 +183,7 @@ gw_code gw_octree_assemble(const gw_octree_builder *builder, gw_octree *octree, 
     return GW_OK;
 }
 
-static void finish_builder(gw_octree_builder *builder) {
+void gw_octree_builder_finish(gw_octree_builder *builder) {
     for (uint32_t l = 0; l <= GW_OCTREE_MAXIMUM_DEPTH; ++l) {
         free(builder->levels[l].nodes);
         free(builder->levels[l].cells);
@@ -221,8 +221,9 @@ static gw_code run_stages(gw_octree_builder *builder, gw_octree *octree, gw_erro
     octree->statistics = builder->statistics;
     code = gw_octree_assemble(builder, octree, error);
     assemble_ms = milliseconds_since(start);
+    const gw_payload_range all = {.deepest = octree->statistics.deepest};
     if (code == GW_OK)
-        code = gw_octree_payload(builder, octree, error); /* fills milliseconds[1] and [2] */
+        code = gw_octree_payload(builder, &all, octree, error); /* fills milliseconds[1] and [2] */
     octree->statistics.milliseconds[0] = refine_ms;
     octree->statistics.milliseconds[3] = assemble_ms;
     if (code == GW_OK)
@@ -230,23 +231,32 @@ static gw_code run_stages(gw_octree_builder *builder, gw_octree *octree, gw_erro
     return code;
 }
 
+void gw_octree_builder_init(gw_octree_builder *builder, gw_gl *device, const gw_scene *scene,
+                            const gw_octree_options *options) {
+    uint64_t driver_limit = (uint64_t)gw_gl_limits_of(device)->storage_block_bytes / 8;
+    *builder = (gw_octree_builder){.device = device,
+                                   .scene = scene,
+                                   .settings = options->settings,
+                                   .log = options->log,
+                                   .depth = (uint32_t)options->settings->octree_depth,
+                                   .key_last = 1};
+    builder->pair_limit = driver_limit < UINT32_MAX / 8 ? driver_limit : UINT32_MAX / 8;
+    if (options->part_limit > 0 && options->part_limit < builder->pair_limit)
+        builder->pair_limit = options->part_limit;
+}
+
 gw_code gw_octree_build(gw_gl *device, const gw_scene *scene, const gw_octree_options *options,
                         gw_octree **out, gw_error *error) {
-    gw_octree_builder builder = {
-        .device = device, .scene = scene, .settings = options->settings, .log = options->log};
+    gw_octree_builder builder;
     gw_octree *octree = NULL;
-    uint64_t driver_limit = (uint64_t)gw_gl_limits_of(device)->storage_block_bytes / 8;
     *out = NULL;
-    builder.depth = (uint32_t)options->settings->octree_depth;
-    builder.pair_limit = driver_limit < UINT32_MAX / 8 ? driver_limit : UINT32_MAX / 8;
-    if (options->part_limit > 0 && options->part_limit < builder.pair_limit)
-        builder.pair_limit = options->part_limit;
+    gw_octree_builder_init(&builder, device, scene, options);
     gw_code code = gw_allocate((void **)&octree, 1, sizeof *octree, "octree", error);
     if (code != GW_OK)
         return code;
     octree->depth = builder.depth;
     code = run_stages(&builder, octree, error);
-    finish_builder(&builder);
+    gw_octree_builder_finish(&builder);
     if (code != GW_OK) {
         gw_octree_destroy(&octree);
         return gw_context(error, "cannot build the octree of '%s'", scene->path ? scene->path : "scene");

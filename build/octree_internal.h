@@ -30,7 +30,21 @@ typedef struct gw_octree_builder {
     gw_gl_buffer topology;  /* RGBA32UI: three welded vertices, component */
     gw_octree_level levels[GW_OCTREE_MAXIMUM_DEPTH + 1];
     gw_octree_statistics statistics;
+    uint32_t split_level;         /* level at which the cells of parts lie */
+    uint64_t key_first, key_last; /* this builder's cells there: Morton numbers [first, last) */
 } gw_octree_builder;
+
+/* The Morton number of a cell as levels[].cells stores it: bit 0 is x's lowest, bit 1 y's, bit 2 z's. */
+uint64_t gw_octree_cell_key(const uint32_t cell[2]);
+
+/* Whether a node of this level and cell belongs to the builder's part: above the split level, the part that
+ * has the first of the cell's descendants owns the cell; below it, all that the builder has is its own. */
+int gw_octree_owns(const gw_octree_builder *builder, uint32_t level, const uint32_t cell[2]);
+
+/* A builder for the whole tree, nothing uploaded yet; release with gw_octree_builder_finish. */
+void gw_octree_builder_init(gw_octree_builder *builder, gw_gl *device, const gw_scene *scene,
+                            const gw_octree_options *options);
+void gw_octree_builder_finish(gw_octree_builder *builder);
 
 /* Allocates nodes, payloads and references by octree's counts, all zero. */
 gw_code gw_octree_allocate(gw_octree *octree, gw_error *error);
@@ -44,7 +58,18 @@ gw_code gw_octree_refine(gw_octree_builder *builder, gw_error *error);
 /* Joins the levels into octree's arrays (nodes, references, level_begin); payloads are allocated and zero. */
 gw_code gw_octree_assemble(const gw_octree_builder *builder, gw_octree *octree, gw_error *error);
 
-/* Computes octree->payloads from the leaves up; builder->levels[].cells must still be there. */
-gw_code gw_octree_payload(gw_octree_builder *builder, gw_octree *octree, gw_error *error);
+/* Which levels' payloads are computed, from the lower one up; below and above them other parts of the build
+ * did it or will. */
+typedef struct gw_payload_range {
+    uint32_t deepest, highest; /* levels, deepest >= highest */
+    const void *sums_below; /* of all nodes of level deepest + 1, or NULL where the range begins at leaves */
+    void **sums_above;      /* receives the sums of all nodes of level highest, to be freed; or NULL */
+    size_t *sum_bytes;      /* receives the bytes of one node's sums; or NULL */
+} gw_payload_range;
+
+/* Computes octree->payloads of the range's levels; builder->levels[].cells must still be there for its
+ * leaves. */
+gw_code gw_octree_payload(gw_octree_builder *builder, const gw_payload_range *range, gw_octree *octree,
+                          gw_error *error);
 
 #endif

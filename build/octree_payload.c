@@ -162,7 +162,7 @@ static gw_code start_stage(payload_stage *stage, gw_error *error) {
     stage->window_nodes = (uint32_t)(nodes < (1u << 30) ? nodes : 1u << 30) & ~15u;
     leaf_defines(stage->builder->scene, common, defines, sizeof defines);
     gw_code code = gw_gl_program(device, "build/payload_leaf.comp", defines, &stage->leaf_program, error);
-    if (code == GW_OK && emits)
+    if (code == GW_OK && emits && !stage->octree->emissions)
         code = gw_allocate((void **)&stage->octree->emissions, stage->octree->node_count,
                            sizeof *stage->octree->emissions, "emissions of voxels", error);
     if (code == GW_OK)
@@ -337,14 +337,37 @@ static gw_code sum_level(payload_stage *stage, uint32_t level, gw_error *error) 
     return code;
 }
 
-gw_code gw_octree_payload(gw_octree_builder *builder, gw_octree *octree, gw_error *error) {
+/* The sums that the stage holds as those of the level below the next one. */
+static gw_code read_sums(const payload_stage *stage, uint32_t level, void **out, gw_error *error) {
+    uint32_t nodes = stage->octree->level_begin[level + 1] - stage->octree->level_begin[level];
+    gw_code code = gw_allocate(out, nodes, stage->sum_bytes, "sums of voxels", error);
+    return code == GW_OK && nodes > 0
+               ? gw_gl_buffer_read(&stage->below, 0, nodes * stage->sum_bytes, *out, error)
+               : code;
+}
+
+static gw_code write_sums(payload_stage *stage, uint32_t level, const void *sums, gw_error *error) {
+    uint32_t nodes = stage->octree->level_begin[level + 1] - stage->octree->level_begin[level];
+    return nodes == 0 ? GW_OK
+                      : gw_gl_buffer_create(stage->builder->device, "payload sums", nodes * stage->sum_bytes,
+                                            sums, GL_RGBA32F, &stage->below, error);
+}
+
+gw_code gw_octree_payload(gw_octree_builder *builder, const gw_payload_range *range, gw_octree *octree,
+                          gw_error *error) {
     payload_stage stage = {.builder = builder, .octree = octree};
     gw_code code = start_stage(&stage, error);
-    for (uint32_t level = octree->statistics.deepest + 1; code == GW_OK && level-- > 0;) {
+    if (code == GW_OK && range->sums_below)
+        code = write_sums(&stage, range->deepest + 1, range->sums_below, error);
+    for (uint32_t level = range->deepest + 1; code == GW_OK && level-- > range->highest;) {
         gw_log_progress(builder->log, "averaging voxels",
                         1.0 - (double)level / (octree->statistics.deepest + 1));
         code = sum_level(&stage, level, error);
     }
+    if (code == GW_OK && range->sums_above)
+        code = read_sums(&stage, range->highest, range->sums_above, error);
+    if (range->sum_bytes)
+        *range->sum_bytes = stage.sum_bytes;
     finish_stage(&stage);
     return code;
 }

@@ -259,7 +259,10 @@ static gw_code emit_children(gw_octree_builder *builder, const part *p, const wi
     return code;
 }
 
-static void count_reason(gw_octree_statistics *statistics, uint32_t class_bits) {
+static void count_node(gw_octree_statistics *statistics, uint32_t class_bits) {
+    statistics->inner += (class_bits & 0xfu) == GW_KIND_INNER;
+    statistics->leaves += (class_bits & 0xfu) != GW_KIND_INNER;
+    statistics->single_leaves += (class_bits & 0xfu) == GW_LEAF_SINGLE;
     switch ((class_bits >> 4) & 0xfu) {
     case REASON_SMALL:
         statistics->stopped_small++;
@@ -302,12 +305,10 @@ static gw_code append_nodes(gw_octree_builder *builder, uint32_t at_level, const
         level->nodes[at] = (gw_node){data[i][0], (class_bits & 0xfu) << 16};
         level->cells[at][0] = data[i][2];
         level->cells[at][1] = data[i][3];
-        count_reason(&builder->statistics, class_bits);
         if ((class_bits & 0xfu) == GW_KIND_INNER)
             node_of[inner++] = (uint32_t)at;
-        else
-            builder->statistics.leaves++;
-        builder->statistics.single_leaves += (class_bits & 0xfu) == GW_LEAF_SINGLE;
+        if (gw_octree_owns(builder, at_level, level->cells[at]))
+            count_node(&builder->statistics, class_bits);
     }
     level->node_count = needed;
     return GW_OK;
@@ -357,7 +358,6 @@ static gw_code collect(gw_octree_builder *builder, const part *p, const window *
         gw_node *node = &builder->levels[p->level].nodes[p->node_of[w->cell_first + i]];
         node->link = first_child + parents[i][0];
         node->bits |= parents[i][1];
-        builder->statistics.inner++;
     }
     free(children);
     free(parents);
@@ -439,10 +439,52 @@ static gw_code refine_window(gw_octree_builder *builder, const part *p, const wi
     return code;
 }
 
+uint64_t gw_octree_cell_key(const uint32_t cell[2]) {
+    const uint32_t axes[3] = {cell[0] & 0xffffu, cell[0] >> 16, cell[1]};
+    uint64_t key = 0;
+    for (int axis = 0; axis < 3; ++axis)
+        for (int bit = 0; bit < GW_OCTREE_MAXIMUM_DEPTH; ++bit)
+            key |= (uint64_t)(axes[axis] >> bit & 1u) << (3 * bit + axis);
+    return key;
+}
+
+int gw_octree_owns(const gw_octree_builder *builder, uint32_t level, const uint32_t cell[2]) {
+    if (level > builder->split_level)
+        return 1;
+    uint64_t key = gw_octree_cell_key(cell) << (3 * (builder->split_level - level));
+    return key >= builder->key_first && key < builder->key_last;
+}
+
+/* Whether some of the cell's descendants at the split level belong to the builder's part. */
+static int concerns(const gw_octree_builder *builder, uint32_t level, const uint32_t cell[2]) {
+    if (level > builder->split_level)
+        return 1;
+    uint32_t shift = 3 * (builder->split_level - level);
+    uint64_t key = gw_octree_cell_key(cell);
+    return key << shift < builder->key_last && (key + 1) << shift > builder->key_first;
+}
+
+/* The cells of p that concern the builder's part, which follow one another because both are in Morton order.
+ */
+static gw_code own_window(const gw_octree_builder *builder, const part *p, window *out, gw_error *error) {
+    const gw_octree_level *level = &builder->levels[p->level];
+    uint32_t first = 0, last = p->cell_count, pair_first = 0, pair_last = 0;
+    while (first < last && !concerns(builder, p->level, level->cells[p->node_of[first]]))
+        first++;
+    while (last > first && !concerns(builder, p->level, level->cells[p->node_of[last - 1]]))
+        last--;
+    gw_code code = first < last ? first_pair(p, first, &pair_first, error) : GW_OK;
+    if (code == GW_OK && first < last)
+        code = first_pair(p, last, &pair_last, error);
+    *out = (window){first, last - first, pair_first, pair_last - pair_first};
+    return code;
+}
+
 static gw_code refine_part(gw_octree_builder *builder, const part *p, gw_error *error) {
-    window all = {0, p->cell_count, 0, p->pair_count};
+    window own = {0, p->cell_count, 0, p->pair_count};
     gw_log_progress(builder->log, "refining the octree", (double)p->level / builder->depth);
-    return refine_window(builder, p, &all, error);
+    gw_code code = p->level <= builder->split_level ? own_window(builder, p, &own, error) : GW_OK;
+    return code == GW_OK && own.cell_count > 0 ? refine_window(builder, p, &own, error) : code;
 }
 
 /* The root cell with every triangle. */

@@ -232,6 +232,17 @@ static void bad_children_are_named(void **state) {
                 0, 0, GW_BAD_INPUT, "after much talk");
 }
 
+/* The child's environment forbids a second import, so that a program that is no importer cannot start itself
+ * without end. */
+static void an_import_inside_an_import_is_refused(void **state) {
+    (void)state;
+    const gw_import_options options = {.program = program()};
+    gw_scene *scene = NULL;
+    setenv("GAZEWALL_IMPORTING", "1", 1);
+    check_fails(gw_import("tests/data/tetra.ply", &options, &scene, &error), GW_MACHINE, "started itself");
+    unsetenv("GAZEWALL_IMPORTING");
+}
+
 static void a_program_that_is_not_there_is_named(void **state) {
     (void)state;
     gw_scene *scene = NULL;
@@ -300,6 +311,7 @@ int main(void) {
         cmocka_unit_test(a_specular_glossiness_map_is_a_named_loss),
         cmocka_unit_test(bad_children_are_named),
         cmocka_unit_test(a_program_that_is_not_there_is_named),
+        cmocka_unit_test(an_import_inside_an_import_is_refused),
         cmocka_unit_test(memory_limit_holds),
         cmocka_unit_test(gltf_survives_mutations),
     };

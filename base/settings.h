@@ -18,6 +18,8 @@
  * stage: BUILD (changes the octree's bytes), FRAME (travels in the frame state). */
 /* clang-format off */
 #define GW_SETTINGS_TABLE(GW_ROW)                                                                                     \
+    GW_ROW(outlier_extents, REAL, 1e6, 0.0, 1e30, "", BUILD, "extents", "far triangles against a scene shrunk to a point",    \
+           "0 (keep all)", "triangles that reach farther than this many extents of the bulk of the scene are dropped")  \
     GW_ROW(octree_depth, INTEGER, 11, 1, 15, "", BUILD, "levels", "voxel size against memory and build time",          \
            "depth 15 or exact triangles (tau 0)", "deepest octree level; the root cube has side 2")                    \
     GW_ROW(leaf_triangles, INTEGER, 4, 1, 255, "", BUILD, "triangles", "tests per ray against nodes",                  \

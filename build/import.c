@@ -164,10 +164,11 @@ gw_code gw_import_note_units(gw_scene *scene, const char *path, gw_error *error)
                          gw_path_name(path), gw_model_format_name(format));
 }
 
-gw_code gw_import_finish(gw_source_model **model, const char *path, const gw_log *log, gw_scene **out,
-                         gw_error *error) {
+gw_code gw_import_finish(gw_source_model **model, const char *path, const gw_import_options *options,
+                         gw_scene **out, gw_error *error) {
     gw_scene *scene = (*model)->scene;
-    gw_log_progress(log, "checking and sorting triangles", 0.0);
+    scene->outlier_extents = options->outlier_extents;
+    gw_log_progress(options->log, "checking and sorting triangles", 0.0);
     scene->path = gw_copy_text(path);
     gw_code code = scene->path ? gw_scene_finish(scene, (*model)->world, error)
                                : gw_fail(error, GW_MACHINE, "out of memory for a file name");
@@ -176,7 +177,7 @@ gw_code gw_import_finish(gw_source_model **model, const char *path, const gw_log
         (*model)->scene = NULL;
     }
     gw_source_model_destroy(model);
-    gw_log_progress(log, "checking and sorting triangles", 1.0);
+    gw_log_progress(options->log, "checking and sorting triangles", 1.0);
     return code;
 }
 
@@ -191,7 +192,7 @@ static gw_code import_bare_model(const char *path, const gw_import_options *opti
     const gw_scene_given given = {.lights = model->scene->light_count > 0};
     code = gw_import_note_units(model->scene, path, error);
     if (code == GW_OK)
-        code = gw_import_finish(&model, path, options->log, &scene, error);
+        code = gw_import_finish(&model, path, options, &scene, error);
     if (code == GW_OK)
         code = gw_scene_defaults(scene, &given, error);
     gw_source_model_destroy(&model);

@@ -15,9 +15,10 @@
 #include <stdint.h>
 
 typedef struct gw_import_options {
-    const char *program;   /* path of this executable, for the child ("/proc/self/exe" when NULL) */
-    double time_limit;     /* s of wall clock for the child; 0: 120 */
-    uint64_t memory_limit; /* bytes of address space for the child; 0: 4 GiB */
+    const char *program;    /* path of this executable, for the child ("/proc/self/exe" when NULL) */
+    double time_limit;      /* s of wall clock for the child; 0: 120 */
+    uint64_t memory_limit;  /* bytes of address space for the child; 0: 4 GiB */
+    double outlier_extents; /* the setting of this name; 0 keeps all triangles, however far away */
     const gw_log *log;
 } gw_import_options;
 

@@ -44,8 +44,8 @@ gw_code gw_import_textures(gw_source_model *model, const char *path, const gw_lo
 gw_code gw_import_note_units(gw_scene *scene, const char *path, gw_error *error);
 
 /* Finishes the model's geometry and gives its scene away, with the user's path; *model is destroyed. */
-gw_code gw_import_finish(gw_source_model **model, const char *path, const gw_log *log, gw_scene **out,
-                         gw_error *error);
+gw_code gw_import_finish(gw_source_model **model, const char *path, const gw_import_options *options,
+                         gw_scene **out, gw_error *error);
 
 /* What the user or the model said, even if it was "none". */
 typedef struct gw_scene_given {

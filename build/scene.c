@@ -5,6 +5,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 void gw_scene_destroy(gw_scene **scene_address) {
     if (!scene_address || !*scene_address)
@@ -50,6 +51,32 @@ gw_code gw_scene_note(gw_scene *scene, gw_error *error, const char *format, ...)
     scene->notes = notes;
     notes[scene->note_count++] = text;
     return GW_OK;
+}
+
+const gw_dropped_row gw_dropped_rows[] = {
+#define GW_DROPPED_ROW(field, text) {#field, text, offsetof(gw_dropped, field)},
+    GW_DROPPED_TABLE(GW_DROPPED_ROW)
+#undef GW_DROPPED_ROW
+};
+const size_t gw_dropped_row_count = sizeof gw_dropped_rows / sizeof *gw_dropped_rows;
+
+uint64_t gw_dropped_by(const gw_dropped *dropped, const gw_dropped_row *row) {
+    uint64_t count;
+    memcpy(&count, (const char *)dropped + row->offset, sizeof count);
+    return count;
+}
+
+uint64_t gw_dropped_total(const gw_dropped *dropped) {
+    uint64_t total = 0;
+    for (size_t i = 0; i < gw_dropped_row_count; i++)
+        total += gw_dropped_by(dropped, &gw_dropped_rows[i]);
+    return total;
+}
+
+void gw_dropped_add(gw_dropped *sum, const gw_dropped *part) {
+#define GW_DROPPED_ADD(field, words) sum->field += part->field;
+    GW_DROPPED_TABLE(GW_DROPPED_ADD)
+#undef GW_DROPPED_ADD
 }
 
 static gw_hash hash_appearance(gw_hash hash, const gw_scene *scene) {

@@ -81,14 +81,41 @@ typedef struct gw_placement {
     double matrix[3][4]; /* MATRIX: rows; [row][3] in mm */
 } gw_placement;
 
-/* Triangles that the import dropped, by reason. */
+/* Triangles that the import dropped, by reason, each under the first that fits: GW_ROW(field, words). The
+ * field is the key in reports, the words follow a number.
+ * repeated_vertex: two corners are one vertex or the same point; zero_area: three points on one line,
+ * exactly, in the file's own precision; outlier: gw_scene_drop_outliers; collapsed: became one of these two
+ * by rebasing to float; duplicate: equal in everything to a triangle that stays, and not blended, so that no
+ * ray could tell. */
+/* clang-format off */
+#define GW_DROPPED_TABLE(GW_ROW)                                                                                      \
+    GW_ROW(non_finite, "with a position that is not finite")                                                           \
+    GW_ROW(bad_index, "with an index out of range")                                                                    \
+    GW_ROW(repeated_vertex, "with a repeated vertex")                                                                  \
+    GW_ROW(zero_area, "without area")                                                                                  \
+    GW_ROW(outlier, "far outside the scene")                                                                           \
+    GW_ROW(collapsed, "collapsed by rounding")                                                                         \
+    GW_ROW(duplicate, "equal to another")                                                                              \
+    GW_ROW(not_triangle, "points and lines")
+/* clang-format on */
+
 typedef struct gw_dropped {
-    uint64_t non_finite;   /* a vertex is NaN or infinite */
-    uint64_t bad_index;    /* an index outside the vertices */
-    uint64_t zero_area;    /* repeated vertex or exactly collinear, in the file's own precision */
-    uint64_t collapsed;    /* became zero-area by rebasing to float */
-    uint64_t not_triangle; /* points and lines */
+#define GW_DROPPED_FIELD(field, words) uint64_t field;
+    GW_DROPPED_TABLE(GW_DROPPED_FIELD)
+#undef GW_DROPPED_FIELD
 } gw_dropped;
+
+typedef struct gw_dropped_row {
+    const char *name, *words;
+    size_t offset; /* of the field in gw_dropped */
+} gw_dropped_row;
+
+extern const gw_dropped_row gw_dropped_rows[];
+extern const size_t gw_dropped_row_count;
+
+uint64_t gw_dropped_by(const gw_dropped *dropped, const gw_dropped_row *row);
+uint64_t gw_dropped_total(const gw_dropped *dropped);
+void gw_dropped_add(gw_dropped *sum, const gw_dropped *part);
 
 typedef struct gw_scene {
     char *path;   /* of the file the user named; "demo" for the embedded one */
@@ -122,6 +149,7 @@ typedef struct gw_scene {
     int32_t exponent;    /* scene metres = rebased * 2^exponent + centre */
     double bounds[2][3]; /* least and greatest corner, scene metres */
 
+    double outlier_extents; /* in: the setting of this name; 0 keeps all */
     gw_dropped dropped;
     /* What the importer decided because the file did not say, and what it could not carry ("no light: ...",
      * "KHR_materials_sheen: ignored"), one line each, for inspect and the report. */

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "build/exact.h"
 #include "build/scene_order.h"
+#include "build/scene_outliers.h"
 #include "build/weld.h"
 
 #include <float.h>
@@ -57,7 +58,11 @@ static gw_code check_counts(const gw_scene *scene, gw_error *error) {
     return check_materials(scene, error);
 }
 
-typedef enum fate { KEEP, BAD_INDEX, NON_FINITE, ZERO_AREA } fate;
+typedef enum fate { KEEP, BAD_INDEX, NON_FINITE, REPEATED_VERTEX, ZERO_AREA } fate;
+
+static int same_point(const double a[3], const double b[3]) {
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
 
 static fate judge(const finish *self, const uint32_t corners[3], uint32_t material) {
     if (material >= self->scene->material_count)
@@ -71,6 +76,8 @@ static fate judge(const finish *self, const uint32_t corners[3], uint32_t materi
         if (!isfinite(p[i][0]) || !isfinite(p[i][1]) || !isfinite(p[i][2]))
             return NON_FINITE;
     }
+    if (same_point(p[0], p[1]) || same_point(p[1], p[2]) || same_point(p[2], p[0]))
+        return REPEATED_VERTEX;
     return gw_collinear(p[0], p[1], p[2]) ? ZERO_AREA : KEEP;
 }
 
@@ -93,6 +100,9 @@ static void drop_bad_triangles(finish *self) {
         case NON_FINITE:
             scene->dropped.non_finite++;
             break;
+        case REPEATED_VERTEX:
+            scene->dropped.repeated_vertex++;
+            break;
         case ZERO_AREA:
             scene->dropped.zero_area++;
             break;
@@ -102,25 +112,17 @@ static void drop_bad_triangles(finish *self) {
 }
 
 static gw_code fail_if_nothing_left(const gw_scene *scene, gw_error *error) {
-    const struct {
-        uint64_t count;
-        const char *what;
-    } kinds[] = {
-        {scene->dropped.non_finite, "with a position that is not finite"},
-        {scene->dropped.bad_index, "with an index out of range"},
-        {scene->dropped.zero_area, "without area"},
-        {scene->dropped.collapsed, "collapsed by rounding"},
-        {scene->dropped.not_triangle, "points and lines"},
-    };
     char list[400] = "it has no triangles at all";
     int length = 0;
     if (scene->triangle_count > 0)
         return GW_OK;
-    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
-        if (kinds[i].count)
+    for (size_t i = 0; i < gw_dropped_row_count; i++) {
+        const uint64_t count = gw_dropped_by(&scene->dropped, &gw_dropped_rows[i]);
+        if (count)
             length +=
                 snprintf(list + length, sizeof list - (size_t)length, "%s%llu %s",
-                         length ? ", " : "dropped: ", (unsigned long long)kinds[i].count, kinds[i].what);
+                         length ? ", " : "dropped: ", (unsigned long long)count, gw_dropped_rows[i].words);
+    }
     return gw_fail(error, GW_BAD_INPUT, "nothing is left to draw (%s)", list);
 }
 
@@ -351,6 +353,8 @@ gw_code gw_scene_finish(gw_scene *scene, const double *world, gw_error *error) {
         return code;
     drop_bad_triangles(&self);
     code = fail_if_nothing_left(scene, error);
+    if (code == GW_OK)
+        code = gw_scene_drop_outliers(scene, world, error);
     if (code == GW_OK)
         code = mark_rows(&self, error);
     if (code != GW_OK)

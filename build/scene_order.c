@@ -67,9 +67,7 @@ static uint64_t centroid_code(const uint32_t triangle[3], const uint32_t *vertic
 }
 
 /* Order of content alone; equal for triangles that no ray can tell apart. */
-static int compare_triangles(const void *a_entry, const void *b_entry, void *context) {
-    const order *self = context;
-    const uint32_t a = ((const entry *)a_entry)->triangle, b = ((const entry *)b_entry)->triangle;
+static int compare_content(const order *self, uint32_t a, uint32_t b) {
     const uint32_t *corners_a = self->scene->triangles[a], *corners_b = self->scene->triangles[b];
     for (int part = 0; part < 2; part++) { /* all positions first, then all attributes */
         size_t begin = part ? GW_POSITION_WORDS : 0;
@@ -82,10 +80,15 @@ static int compare_triangles(const void *a_entry, const void *b_entry, void *con
                 return result;
         }
     }
-    const uint32_t material_a = self->scene->material_of[a], material_b = self->scene->material_of[b];
-    const uint32_t keys_a[2] = {self->material_rank[material_a], material_a};
-    const uint32_t keys_b[2] = {self->material_rank[material_b], material_b};
-    return compare_words(keys_a, keys_b, 2);
+    return compare_words(&self->material_rank[self->scene->material_of[a]],
+                         &self->material_rank[self->scene->material_of[b]], 1);
+}
+
+static int compare_triangles(const void *a_entry, const void *b_entry, void *context) {
+    const order *self = context;
+    const uint32_t a = ((const entry *)a_entry)->triangle, b = ((const entry *)b_entry)->triangle;
+    const int result = compare_content(self, a, b);
+    return result ? result : compare_words(&self->scene->material_of[a], &self->scene->material_of[b], 1);
 }
 
 static int compare_materials(const void *a_index, const void *b_index, void *context) {
@@ -147,9 +150,23 @@ static void sort_equal_codes(entry *entries, size_t count, order *self) {
     }
 }
 
+/* Takes out what equals the triangle before it, but for blended surfaces, of which two show more than one;
+ * returns how many stay. */
+static size_t drop_duplicates(const order *self, entry *entries, size_t count) {
+    size_t kept = 0;
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t triangle = entries[i].triangle;
+        const int blended =
+            self->scene->materials[self->scene->material_of[triangle]].alpha_mode == GW_ALPHA_BLEND;
+        if (blended || kept == 0 || entries[kept - 1].key != entries[i].key ||
+            compare_content(self, entries[kept - 1].triangle, triangle) != 0)
+            entries[kept++] = entries[i];
+    }
+    return kept;
+}
+
 /* Moves the scene's rows into the order of the entries. */
-static gw_code permute(gw_scene *scene, const entry *entries, gw_error *error) {
-    const size_t count = scene->triangle_count;
+static gw_code permute(gw_scene *scene, const entry *entries, size_t count, gw_error *error) {
     void *triangles = NULL, *material_of = NULL;
     gw_code code = gw_allocate(&triangles, count, sizeof *scene->triangles, "sorted triangles", error);
     if (code == GW_OK)
@@ -168,6 +185,8 @@ static gw_code permute(gw_scene *scene, const entry *entries, gw_error *error) {
     free(scene->material_of);
     scene->triangles = triangles;
     scene->material_of = material_of;
+    scene->dropped.duplicate += scene->triangle_count - count;
+    scene->triangle_count = (uint32_t)count;
     return GW_OK;
 }
 
@@ -190,7 +209,8 @@ gw_code gw_scene_order(gw_scene *scene, const uint32_t *vertices, gw_error *erro
     }
     radix_sort(entries, spare, count, histogram);
     sort_equal_codes(entries, count, &self);
-    code = permute(scene, entries, error);
+    const size_t kept = drop_duplicates(&self, entries, count);
+    code = permute(scene, entries, kept, error);
 cleanup:
     free(self.material_rank);
     free(entries);

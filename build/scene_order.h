@@ -13,8 +13,8 @@
 enum { GW_VERTEX_WORDS = 9, GW_POSITION_WORDS = 3 };
 
 /* Rotates every triangle so that its least corner comes first (the winding stays), then sorts
- * scene->triangles and scene->material_of by the Morton code of the centroid, then content. `vertices` are
- * rows of GW_VERTEX_WORDS that the triangles index. */
+ * scene->triangles and scene->material_of by the Morton code of the centroid, then content, and drops
+ * duplicates. `vertices` are rows of GW_VERTEX_WORDS that the triangles index. */
 gw_code gw_scene_order(gw_scene *scene, const uint32_t *vertices, gw_error *error);
 
 #endif

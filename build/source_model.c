@@ -198,14 +198,6 @@ static void shift_indices(gw_scene *scene, uint32_t vertices, uint32_t materials
             scene->materials[i].base_color_texture += (int32_t)textures;
 }
 
-static void add_dropped(gw_dropped *sum, const gw_dropped *part) {
-    sum->non_finite += part->non_finite;
-    sum->bad_index += part->bad_index;
-    sum->zero_area += part->zero_area;
-    sum->collapsed += part->collapsed;
-    sum->not_triangle += part->not_triangle;
-}
-
 gw_code gw_source_model_append(gw_source_model *target, gw_source_model *part, gw_error *error) {
     gw_scene *a = target->scene, *b = part->scene;
     if ((uint64_t)a->vertex_count + b->vertex_count >= UINT32_MAX ||
@@ -223,7 +215,7 @@ gw_code gw_source_model_append(gw_source_model *target, gw_source_model *part, g
     a->light_count += b->light_count;
     a->viewpoint_count += b->viewpoint_count;
     a->note_count += b->note_count;
-    add_dropped(&a->dropped, &b->dropped);
+    gw_dropped_add(&a->dropped, &b->dropped);
     b->texture_count = 0; /* now the target's */
     b->note_count = 0;
     b->vertex_count = b->triangle_count = b->material_count = b->light_count = b->viewpoint_count = 0;

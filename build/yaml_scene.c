@@ -131,7 +131,7 @@ gw_code gw_yaml_scene_load(const char *path, const gw_import_options *options, g
     if (code == GW_OK)
         code = read_scene(gw_yaml_root(document), path, options, model, &given, error);
     if (code == GW_OK) {
-        code = gw_import_finish(&model, path, options->log, &scene, error);
+        code = gw_import_finish(&model, path, options, &scene, error);
         if (code != GW_OK)
             gw_context(error, "%s", path);
     }

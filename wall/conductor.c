@@ -128,12 +128,10 @@ gw_code gw_conductor_describe(gw_conductor *conductor, const struct gw_rank *ran
     gw_report_device(conductor->report, limits);
     gw_report_scene(conductor->report, scene, model->import_ms);
     gw_report_octree(conductor->report, octree, scene, limits, model->build_ms, model->from_cache);
-    const gw_dropped *d = &scene->dropped;
-    conductor->scene_line = make_text(
-        "%s: %" PRIu32 " triangles (%" PRIu64 " dropped), %" PRIu32 " materials, %" PRIu32 " textures",
-        scene->path, scene->triangle_count,
-        d->non_finite + d->bad_index + d->zero_area + d->collapsed + d->not_triangle, scene->material_count,
-        scene->texture_count);
+    conductor->scene_line = make_text("%s: %" PRIu32 " triangles (%" PRIu64 " dropped), %" PRIu32
+                                      " materials, %" PRIu32 " textures",
+                                      scene->path, scene->triangle_count, gw_dropped_total(&scene->dropped),
+                                      scene->material_count, scene->texture_count);
     double bytes = (double)(gw_octree_node_bytes(octree) +
                             (gw_octree_payload_bytes(octree) + gw_octree_emission_bytes(octree)) +
                             gw_octree_reference_bytes(octree));

@@ -113,20 +113,23 @@ static json_t *notes_of(const gw_scene *scene) {
     return notes;
 }
 
+static json_t *dropped_of(const gw_dropped *dropped) {
+    json_t *object = json_object();
+    for (size_t i = 0; i < gw_dropped_row_count; i++)
+        json_object_set_new(object, gw_dropped_rows[i].name,
+                            count(gw_dropped_by(dropped, &gw_dropped_rows[i])));
+    return object;
+}
+
 void gw_report_scene(json_t *report, const gw_scene *scene, double import_ms) {
-    const gw_dropped *dropped = &scene->dropped;
-    json_t *object =
-        json_pack("{s:o, s:o, s:o, s:{s:o, s:o, s:o, s:o, s:o}, s:o, s:o, s:o, s:o, s:o, "
-                  "s:[[f,f,f],[f,f,f]], s:f, s:o}",
-                  "file", text_or_null(scene->path), "hash", hash_text(scene->hash), "triangles",
-                  count(scene->triangle_count), "dropped", "non_finite", count(dropped->non_finite),
-                  "bad_index", count(dropped->bad_index), "zero_area", count(dropped->zero_area), "collapsed",
-                  count(dropped->collapsed), "not_triangle", count(dropped->not_triangle), "vertices",
-                  count(scene->vertex_count), "materials", count(scene->material_count), "textures",
-                  count(scene->texture_count), "lights", count(scene->light_count), "viewpoints",
-                  count(scene->viewpoint_count), "bounds_m", scene->bounds[0][0], scene->bounds[0][1],
-                  scene->bounds[0][2], scene->bounds[1][0], scene->bounds[1][1], scene->bounds[1][2],
-                  "import_ms", import_ms, "notes", notes_of(scene));
+    json_t *object = json_pack(
+        "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:[[f,f,f],[f,f,f]], s:f, s:o}", "file",
+        text_or_null(scene->path), "hash", hash_text(scene->hash), "triangles", count(scene->triangle_count),
+        "dropped", dropped_of(&scene->dropped), "vertices", count(scene->vertex_count), "materials",
+        count(scene->material_count), "textures", count(scene->texture_count), "lights",
+        count(scene->light_count), "viewpoints", count(scene->viewpoint_count), "bounds_m",
+        scene->bounds[0][0], scene->bounds[0][1], scene->bounds[0][2], scene->bounds[1][0],
+        scene->bounds[1][1], scene->bounds[1][2], "import_ms", import_ms, "notes", notes_of(scene));
     json_object_set_new(report, "scene", object);
 }
 

@@ -120,21 +120,15 @@ static gw_code inspect_device(gw_model *model, const inspect_options *o, const g
 /* --- a scene
  * ----------------------------------------------------------------------------------------------------- */
 
-static void print_dropped(const gw_dropped *d) {
-    const struct {
-        const char *why;
-        uint64_t count;
-    } kinds[] = {{"not finite", d->non_finite},
-                 {"index out of range", d->bad_index},
-                 {"no area", d->zero_area},
-                 {"collapsed in float", d->collapsed},
-                 {"points and lines", d->not_triangle}};
+static void print_dropped(const gw_dropped *dropped) {
     const char *between = "dropped            ";
-    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++)
-        if (kinds[i].count) {
-            printf("%s%" PRIu64 " %s", between, kinds[i].count, kinds[i].why);
-            between = ", ";
-        }
+    for (size_t i = 0; i < gw_dropped_row_count; i++) {
+        const uint64_t count = gw_dropped_by(dropped, &gw_dropped_rows[i]);
+        if (count == 0)
+            continue;
+        printf("%s%" PRIu64 " %s", between, count, gw_dropped_rows[i].words);
+        between = ", ";
+    }
     printf("%s", between[0] == 'd' ? "dropped            nothing\n" : "\n");
 }
 

@@ -386,17 +386,17 @@ static void test_one_triangle(void **state) {
     gw_scene_destroy(&scene);
 }
 
-/* 10,000 copies of one triangle, and lists far beyond one pass of the payload kernel. */
+/* 10,000 copies of one triangle but for steps of float, and lists far beyond one pass of the payload kernel.
+ */
 static void test_coincident_triangles(void **state) {
     gw_settings settings;
     gw_mesh mesh = {0};
     (void)state;
     gw_settings_init(&settings);
     settings.octree_depth = 5;
-    uint32_t a = gw_mesh_point(&mesh, 0, 0, 0), b = gw_mesh_point(&mesh, 1, 0, 0.2),
-             c = gw_mesh_point(&mesh, 0, 1, 0.3);
+    uint32_t a = gw_mesh_point(&mesh, 0, 0, 0), b = gw_mesh_point(&mesh, 1, 0, 0.2);
     for (int i = 0; i < 10000; ++i)
-        gw_mesh_triangle(&mesh, a, b, c);
+        gw_mesh_triangle(&mesh, a, b, gw_mesh_point(&mesh, 0, 1, 0.3 + i * 0x1p-22));
     gw_scene *scene = scene_of(&mesh);
     gw_octree *octree = build(scene, &settings, 0);
     validate(scene, octree);

@@ -110,7 +110,7 @@ file ascii.ply     '8 rows are promised, 5 are there'             cut_to        
 file type.ply      'unknown property type'                        with          tetra.ply 's/float x/quad x/'
 file huge.ply      'broken or one too many element'               with          tetra.ply 's/vertex 4/vertex 99999999999/'
 file points.ply    'nothing is left to draw'                      with          tetra.ply 's/face 4/face 0/; /^3 /d'
-file flat.ply      '4 without area'                               with          tetra.ply 's/^\([0-9]\) [0-9] [0-9]/\1 0 0/; s/^3 0 0/3 1 2/'
+file flat.ply      '4 with a repeated vertex'                     with          tetra.ply 's/^\([0-9]\) [0-9] [0-9]/\1 0 0/; s/^3 0 0/3 1 2/'
 file cut.ply.gz    'compressed data is cut short'                 packed_cut
 file bad.ply.gz    'compressed data is broken'                    packed_garbage
 file bomb.ply.gz   'expands to more than the limit'               bomb

@@ -96,16 +96,20 @@ endif
 
 TEST_KINDS   := unit gpu hard oracle
 TEST_SOURCES := $(wildcard $(TEST_KINDS:%=tests/%/test_*.c))
-TEST_SUPPORT := $(patsubst %.c,$(TREE)/%.o,$(wildcard tests/support/*.c))
+# tests/tools/make_* and convert_* are programs of their own; what else stands there are their parts, for tests too.
+TOOL_SOURCES := $(wildcard tests/tools/make_*.c tests/tools/convert_*.c)
+TOOL_PARTS   := $(patsubst %.c,$(TREE)/%.o,$(filter-out $(TOOL_SOURCES),$(wildcard tests/tools/*.c)))
+TOOLS        := $(TOOL_SOURCES:%.c=$(TREE)/%)
+TEST_SUPPORT := $(patsubst %.c,$(TREE)/%.o,$(wildcard tests/support/*.c)) $(TOOL_PARTS)
 SUPPORT      := $(TREE)/libsupport.a
 TEST_PROGRAMS := $(TEST_SOURCES:%.c=$(TREE)/%)
 
 ALL_OBJECTS := $(OBJECTS) $(TREE)/wall/main.o $(TEST_SUPPORT) $(TEST_SOURCES:%.c=$(TREE)/%.o) \
-	$(TREE)/shaders/assemble.o $(TREE)/docs/write_settings.o $(TREE)/tests/tools/make_demo_track.o
+	$(TREE)/shaders/assemble.o $(TREE)/docs/write_settings.o $(TOOLS:%=%.o)
 
 # --- targets ---------------------------------------------------------------------------------------------------------
 
-.PHONY: all setup demo tests test hard lint format docs demo-track install clean help
+.PHONY: all setup demo tests test hard tools lint format docs demo-track install clean help
 
 all: $(PROGRAMS) $(ARCHIVE) $(if $(PROGRAMS),$(OUT)/gazewall)
 
@@ -115,6 +119,7 @@ help:
 	@echo "make test        install what is missing, build, run every test; ONLY=name picks some"
 	@echo "make hard        only the tests of tests/hard"
 	@echo "make tests       build the tests without running them"
+	@echo "make tools       build the tools of tests/tools: scene converter, demo track"
 	@echo "make lint        layout, static analysis, house rules, shaders; changes nothing"
 	@echo "make format      lay the C sources out by .clang-format"
 	@echo "make docs        write docs/settings.md from the table of settings"
@@ -131,7 +136,9 @@ demo: all
 	$(quiet)mkdir -p $(OUT)/demo
 	$(quiet)$(PROGRAM) sim --tiles 2x2 --bezel 12 --size 1280x720 --frames 8 --out $(OUT)/demo --report $(OUT)/demo/report.json
 
-tests: $(ARCHIVE) $(TEST_PROGRAMS)
+tests: $(ARCHIVE) $(TEST_PROGRAMS) $(TOOLS)
+
+tools: $(TOOLS)
 
 test: all tests
 	$(quiet)tests/run.sh '$(TREE)' '$(ONLY)'
@@ -148,7 +155,7 @@ format:
 docs: $(TREE)/write_settings
 	$(quiet)$< > $(TREE)/settings.md && mv $(TREE)/settings.md docs/settings.md
 
-demo-track: $(TREE)/make_demo_track
+demo-track: $(TREE)/tests/tools/make_demo_track
 	$(quiet)$< configs/tracks/demo.vrpn
 
 install: all
@@ -219,7 +226,8 @@ $(TREE)/assemble: $(TREE)/shaders/assemble.o $(ARCHIVE)
 $(TREE)/write_settings: $(TREE)/docs/write_settings.o $(ARCHIVE)
 	$(quiet)$(CC) $(LINK_FLAVOUR) $(LDFLAGS) -o $@ $^ $(LIBRARIES)
 
-$(TREE)/make_demo_track: $(TREE)/tests/tools/make_demo_track.o $(ARCHIVE)
+$(TOOLS): $(TREE)/tests/tools/%: $(TREE)/tests/tools/%.o $(TOOL_PARTS) $(ARCHIVE)
+	$(say) LINK $@
 	$(quiet)$(CC) $(LINK_FLAVOUR) $(LDFLAGS) -o $@ $^ $(LIBRARIES)
 
 $(SUPPORT): $(TEST_SUPPORT) $(TREE)/support

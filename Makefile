@@ -181,12 +181,13 @@ $(OUT)/libraries.mk: $(wildcard $(SETUP_STAMP)) Makefile
 
 # --- rules -----------------------------------------------------------------------------------------------------------
 
-# Rewritten only when the flags or the list of objects change; then what depends on it is remade.
+# Rewritten only when the flags or the list of objects change; then what depends on it is remade. WERROR=1 makes the same
+# objects.
 define keep_text
 $(shell mkdir -p $(dir $(1)); printf '%s' '$(2)' | cmp -s - $(1) || printf '%s' '$(2)' > $(1))
 endef
 ifneq ($(filter-out clean help format setup,$(GOALS)),)
-$(call keep_text,$(TREE)/flags,$(CC) $(ALL_FLAGS))
+$(call keep_text,$(TREE)/flags,$(CC) $(filter-out -Werror,$(ALL_FLAGS)))
 $(call keep_text,$(TREE)/objects,$(sort $(OBJECTS)))
 $(call keep_text,$(TREE)/support,$(sort $(TEST_SUPPORT)))
 $(call keep_text,$(TREE)/embedded,$(EMBEDDED))

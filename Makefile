@@ -109,7 +109,7 @@ ALL_OBJECTS := $(OBJECTS) $(TREE)/wall/main.o $(TEST_SUPPORT) $(TEST_SOURCES:%.c
 
 # --- targets ---------------------------------------------------------------------------------------------------------
 
-.PHONY: all setup demo tests test hard tools lint format docs demo-track install clean help
+.PHONY: all setup demo tests test hard tools lint format docs demo-track moving-scene install clean help
 
 all: $(PROGRAMS) $(ARCHIVE) $(if $(PROGRAMS),$(OUT)/gazewall)
 
@@ -157,6 +157,9 @@ docs: $(TREE)/write_settings
 
 demo-track: $(TREE)/tests/tools/make_demo_track
 	$(quiet)$< configs/tracks/demo.vrpn
+
+moving-scene: $(TREE)/tests/tools/make_moving_scene
+	$(quiet)$< configs/scenes/moving.gltf
 
 install: all
 	install -d '$(DESTDIR)$(PREFIX)/bin' '$(DESTDIR)$(PREFIX)/share/gazewall' '$(DESTDIR)$(PREFIX)/share/doc/gazewall/docs'

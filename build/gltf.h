@@ -35,7 +35,11 @@ gw_code gw_gltf_apply(const gw_gltf *gltf, gw_source_model *model, gw_error *err
 /* Triangles that the file's meshes promise, each mesh once: assimp drops those with bad indices. */
 uint64_t gw_gltf_promised_triangles(const gw_gltf *gltf);
 
-/* The same file with every material named "#index", because assimp keeps names but not places in the list. */
-gw_code gw_gltf_mark_materials(gw_gltf *gltf, gw_bytes *out, gw_error *error);
+/* 1 when the file has animations or skins, so that the places of nodes and meshes matter. */
+int gw_gltf_moves(const gw_gltf *gltf);
+
+/* The same file with every material named "#index", because assimp keeps names but not places in the list; in
+ * a file that moves nodes and meshes, too. */
+gw_code gw_gltf_mark(gw_gltf *gltf, gw_bytes *out, gw_error *error);
 
 #endif

@@ -229,8 +229,6 @@ static gw_code note_losses(const gw_gltf *gltf, gw_source_model *model, gw_error
         {count_specular_maps(materials),
          "materials with a specular-glossiness map: drawn without it, metals by their diffuse colour alone"},
         {shared_lights, "more nodes with a light that another node has too: it shines at one of them"},
-        {json_array_size(json_object_get(gltf->root, "animations")), "animations: the rest pose is shown"},
-        {json_array_size(json_object_get(gltf->root, "skins")), "skins: the rest pose is shown"},
     };
     for (size_t i = 0; code == GW_OK && i < sizeof losses / sizeof *losses; i++)
         code = note_count(model, losses[i].count, losses[i].what, error);
@@ -248,6 +246,20 @@ static gw_code note_bare_triangles(gw_source_model *model, gw_error *error) {
     return note_count(model, count, "triangles without a material: a rough light grey one is used", error);
 }
 
+/* In a file that moves, the import child saw "#index" for a camera's node. */
+static void name_viewpoints(const gw_gltf *gltf, gw_scene *scene) {
+    const json_t *nodes = json_object_get(gltf->root, "nodes");
+    for (uint32_t i = 0; i < scene->viewpoint_count; i++) {
+        gw_viewpoint *view = &scene->viewpoints[i];
+        const size_t node = strtoul(view->name + (view->name[0] == '#'), NULL, 10);
+        const char *name = json_string_value(json_object_get(json_array_get(nodes, node), "name"));
+        if (name && *name)
+            snprintf(view->name, sizeof view->name, "%s", name);
+        else
+            snprintf(view->name, sizeof view->name, "nodes_%zu", node);
+    }
+}
+
 gw_code gw_gltf_apply(const gw_gltf *gltf, gw_source_model *model, gw_error *error) {
     const json_t *materials = json_object_get(gltf->root, "materials");
     gw_code code = apply_transforms(materials, model, error);
@@ -259,6 +271,8 @@ gw_code gw_gltf_apply(const gw_gltf *gltf, gw_source_model *model, gw_error *err
         if (source)
             apply_material(source, &model->scene->materials[i], (size_t)index);
     }
+    if (gw_gltf_moves(gltf))
+        name_viewpoints(gltf, model->scene);
     if (code == GW_OK)
         code = note_losses(gltf, model, error);
     return code;
@@ -291,7 +305,12 @@ uint64_t gw_gltf_promised_triangles(const gw_gltf *gltf) {
     return sum;
 }
 
-/* --- marking materials --- */
+/* --- marking --- */
+
+int gw_gltf_moves(const gw_gltf *gltf) {
+    return json_array_size(json_object_get(gltf->root, "animations")) > 0 ||
+           json_array_size(json_object_get(gltf->root, "skins")) > 0;
+}
 
 static void write_u32(uint8_t *data, uint32_t value) {
     for (int i = 0; i < 4; i++)
@@ -326,12 +345,23 @@ static gw_code pack_container(const gw_gltf *gltf, const char *text, size_t text
     return GW_OK;
 }
 
-gw_code gw_gltf_mark_materials(gw_gltf *gltf, gw_bytes *out, gw_error *error) {
+static gw_code mark_list(gw_gltf *gltf, const char *list, gw_error *error) {
+    json_t *objects = json_object_get(gltf->root, list);
+    for (size_t i = 0; i < json_array_size(objects); i++)
+        if (json_object_set_new(json_array_get(objects, i), "name", json_sprintf("#%zu", i)) != 0)
+            return gw_fail(error, GW_MACHINE, "out of memory for names of %s", list);
+    return GW_OK;
+}
+
+gw_code gw_gltf_mark(gw_gltf *gltf, gw_bytes *out, gw_error *error) {
     *out = (gw_bytes){0};
-    json_t *materials = json_object_get(gltf->root, "materials");
-    for (size_t i = 0; i < json_array_size(materials); i++)
-        if (json_object_set_new(json_array_get(materials, i), "name", json_sprintf("#%zu", i)) != 0)
-            return gw_fail(error, GW_MACHINE, "out of memory for material names");
+    gw_code code = mark_list(gltf, "materials", error);
+    if (code == GW_OK && gw_gltf_moves(gltf))
+        code = mark_list(gltf, "nodes", error);
+    if (code == GW_OK && gw_gltf_moves(gltf))
+        code = mark_list(gltf, "meshes", error);
+    if (code != GW_OK)
+        return code;
     char *text = json_dumps(gltf->root, JSON_COMPACT | JSON_REAL_PRECISION(17));
     if (!text)
         return gw_fail(error, GW_MACHINE, "out of memory for the glTF text");
@@ -340,7 +370,7 @@ gw_code gw_gltf_mark_materials(gw_gltf *gltf, gw_bytes *out, gw_error *error) {
         out->size = strlen(text);
         return GW_OK;
     }
-    gw_code code = pack_container(gltf, text, strlen(text), out, error);
+    code = pack_container(gltf, text, strlen(text), out, error);
     free(text);
     return code;
 }

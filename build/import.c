@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "build/demo_scene.h"
 #include "build/gltf.h"
+#include "build/gltf_animation.h"
 #include "build/import_internal.h"
 #include "build/import_stream.h"
 #include "build/yaml_scene.h"
@@ -77,17 +78,15 @@ static gw_code check_file(const char *path, gw_model_format *format, gw_error *e
 }
 
 /* The JSON of a glTF file, checked; *bytes must outlive *gltf. */
-static gw_code open_gltf(const char *path, gw_bytes *bytes, gw_gltf *gltf, gw_error *error) {
-    char *folder = gw_path_folder(path);
-    gw_code code = folder ? gw_file_read(path, maximum_gltf_file, bytes, error)
-                          : gw_fail(error, GW_MACHINE, "out of memory for a file name");
+static gw_code open_gltf(const char *path, const char *folder, gw_bytes *bytes, gw_gltf *gltf,
+                         gw_error *error) {
+    gw_code code = gw_file_read(path, maximum_gltf_file, bytes, error);
     if (code == GW_OK)
         code = gw_import_precheck(GW_FORMAT_GLTF, bytes->data, bytes->size, error);
     if (code == GW_OK)
         code = gw_gltf_open(bytes->data, bytes->size, folder, gltf, error);
     if (code == GW_OK) /* before the child runs: a required extension decides whether it can help at all */
         code = gw_gltf_check_extensions(gltf, NULL, error);
-    free(folder);
     return code;
 }
 
@@ -114,25 +113,36 @@ static gw_code make_normals(gw_source_model *model, const gw_log *log, gw_error 
     return code;
 }
 
+/* What the child cannot carry of a glTF file. */
+static gw_code complete_gltf(const gw_gltf *gltf, const char *folder, const gw_import_options *options,
+                             gw_source_model *model, gw_error *error) {
+    gw_code code = gw_gltf_apply(gltf, model, error);
+    if (code == GW_OK)
+        code = gw_gltf_check_extensions(gltf, model, error);
+    if (code == GW_OK)
+        code = gw_gltf_animate(gltf, folder, options->animation, model, error);
+    return code;
+}
+
 static gw_code import_checked(const char *path, gw_model_format format, const gw_import_options *options,
                               gw_source_model **model, gw_error *error) {
     gw_bytes bytes = {0};
     gw_gltf gltf = {0};
-    gw_code code = GW_OK;
-    if (format == GW_FORMAT_GLTF)
-        code = open_gltf(path, &bytes, &gltf, error);
+    char *folder = gw_path_folder(path);
+    gw_code code = folder ? GW_OK : gw_fail(error, GW_MACHINE, "out of memory for a file name");
+    if (code == GW_OK && format == GW_FORMAT_GLTF)
+        code = open_gltf(path, folder, &bytes, &gltf, error);
     if (code == GW_OK)
         code = read_child(path, options, model, error);
     if (code == GW_OK && gltf.root)
-        code = gw_gltf_apply(&gltf, *model, error);
-    if (code == GW_OK && gltf.root)
-        code = gw_gltf_check_extensions(&gltf, *model, error);
+        code = complete_gltf(&gltf, folder, options, *model, error);
     if (code == GW_OK)
         code = gw_import_textures(*model, path, options->log, error);
     if (code == GW_OK)
         code = make_normals(*model, options->log, error);
     gw_gltf_close(&gltf);
     gw_bytes_finish(&bytes);
+    free(folder);
     return code;
 }
 

@@ -19,6 +19,7 @@ typedef struct gw_import_options {
     double time_limit;      /* s of wall clock for the child; 0: 120 */
     uint64_t memory_limit;  /* bytes of address space for the child; 0: 4 GiB */
     double outlier_extents; /* the setting of this name; 0 keeps all triangles, however far away */
+    const char *animation;  /* which one plays: a name, a number from 0, "all" or "none"; NULL: the first */
     const gw_log *log;
 } gw_import_options;
 

@@ -3,10 +3,12 @@
 #include "build/import_internal.h"
 
 #include "base/memory.h"
+#include "build/matrix.h"
 
 #include <assimp/scene.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { MAXIMUM_NODE_DEPTH = 2000 };
@@ -19,6 +21,7 @@ typedef struct converter {
     uint64_t other_primitives;
     uint32_t spots, placed_lights, placed_cameras;
     int normals, texcoords, colors; /* some mesh has them */
+    size_t span_capacity;
     int counting;
     gw_error *error;
 } converter;
@@ -38,32 +41,15 @@ static matrix multiply(const matrix *a, const struct aiMatrix4x4 *b) {
     return product;
 }
 
-static double determinant(const matrix *a) {
-    const double(*m)[4] = a->m;
-    return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
-           m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
-           m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
-}
-
 static void place_point(const matrix *a, const struct aiVector3D *p, double out[3]) {
     for (int i = 0; i < 3; i++)
         out[i] =
             a->m[i][0] * (double)p->x + a->m[i][1] * (double)p->y + a->m[i][2] * (double)p->z + a->m[i][3];
 }
 
-/* By the cofactors: right for normals under any scaling. Not normalised: gw_scene_finish does that. */
-static void place_normal(const matrix *a, double sign, const struct aiVector3D *n, float out[3]) {
-    const double(*m)[4] = a->m;
-    double turned[3];
-    for (int i = 0; i < 3; i++) {
-        const int r = (i + 1) % 3, s = (i + 2) % 3;
-        turned[i] = sign * ((m[r][1] * m[s][2] - m[r][2] * m[s][1]) * (double)n->x +
-                            (m[r][2] * m[s][0] - m[r][0] * m[s][2]) * (double)n->y +
-                            (m[r][0] * m[s][1] - m[r][1] * m[s][0]) * (double)n->z);
-    }
-    const double length = sqrt(turned[0] * turned[0] + turned[1] * turned[1] + turned[2] * turned[2]);
-    for (int i = 0; i < 3; i++)
-        out[i] = length > 0.0 ? (float)(turned[i] / length) : 0.0f;
+static void place_normal(const double cofactors[3][3], const struct aiVector3D *n, float out[3]) {
+    const float normal[3] = {(float)n->x, (float)n->y, (float)n->z};
+    gw_matrix_normal(cofactors, normal, out);
 }
 
 static int place_direction(const matrix *a, const struct aiVector3D *d, double out[3]) {
@@ -126,11 +112,13 @@ static void put_colors(const converter *self, const struct aiMesh *mesh, uint8_t
 static void put_mesh(converter *self, const struct aiMesh *mesh, const matrix *place) {
     gw_scene *scene = self->model->scene;
     const size_t first = self->vertices;
-    const double sign = determinant(place) < 0.0 ? -1.0 : 1.0;
+    const int mirrored = gw_matrix_determinant(place->m) < 0.0;
+    double cofactors[3][3];
+    gw_matrix_cofactors(place->m, cofactors);
     for (unsigned v = 0; v < mesh->mNumVertices; v++) {
         place_point(place, &mesh->mVertices[v], self->model->world + (first + v) * 3);
         if (scene->normals && mesh->mNormals)
-            place_normal(place, sign, &mesh->mNormals[v], scene->normals + (first + v) * 3);
+            place_normal((const double(*)[3])cofactors, &mesh->mNormals[v], scene->normals + (first + v) * 3);
     }
     if (scene->texcoords)
         put_texcoords(self, mesh, scene->texcoords + first * 2);
@@ -142,12 +130,42 @@ static void put_mesh(converter *self, const struct aiMesh *mesh, const matrix *p
             continue;
         uint32_t *triangle = scene->triangles[self->triangles];
         for (int k = 0; k < 3; k++) {
-            const unsigned index = face->mIndices[sign < 0.0 ? 2 - k : k]; /* a mirror turns the winding */
+            const unsigned index = face->mIndices[mirrored ? 2 - k : k]; /* a mirror turns the winding */
             triangle[k] = index < mesh->mNumVertices ? (uint32_t)(first + index) : UINT32_MAX;
         }
         scene->material_of[self->triangles++] = mesh->mMaterialIndex;
     }
     self->vertices += mesh->mNumVertices;
+}
+
+/* "#7" or "#7-1": the place in the file's list, and of the primitive. 0 for other names. */
+static int read_mark(const struct aiString *name, uint32_t *index, uint32_t *primitive) {
+    unsigned long first, second = 0;
+    char *end;
+    if (name->data[0] != '#' || name->data[1] < '0' || name->data[1] > '9')
+        return 0;
+    first = strtoul(name->data + 1, &end, 10);
+    if (*end == '-')
+        second = strtoul(end + 1, &end, 10);
+    *index = (uint32_t)first;
+    *primitive = (uint32_t)second;
+    return !*end && first < UINT32_MAX && second < UINT32_MAX;
+}
+
+/* Tells where the vertices that put_mesh is about to add come from, in files whose nodes and meshes are marked
+ * (gw_gltf_mark). */
+static gw_code put_span(converter *self, const struct aiNode *node, const struct aiMesh *mesh) {
+    gw_source_model *model = self->model;
+    uint32_t whole;
+    gw_vertex_span span = {.first = (uint32_t)self->vertices, .count = mesh->mNumVertices};
+    if (self->format != GW_FORMAT_GLTF || !read_mark(&node->mName, &span.node, &whole) ||
+        !read_mark(&mesh->mName, &span.mesh, &span.primitive))
+        return GW_OK;
+    gw_code code = gw_grow((void **)&model->spans, &self->span_capacity, (size_t)model->span_count + 1,
+                           sizeof span, "spans of vertices", self->error);
+    if (code == GW_OK)
+        model->spans[model->span_count++] = span;
+    return code;
 }
 
 /* --- lights and cameras --- */
@@ -216,11 +234,14 @@ static gw_code walk(converter *self, const struct aiNode *node, const matrix *pa
         return gw_fail(self->error, GW_BAD_INPUT, "its nodes are nested more than %d deep",
                        MAXIMUM_NODE_DEPTH);
     const matrix place = multiply(parent, &node->mTransformation);
-    for (unsigned i = 0; i < node->mNumMeshes; i++) {
+    gw_code code = GW_OK;
+    for (unsigned i = 0; code == GW_OK && i < node->mNumMeshes; i++) {
         if (node->mMeshes[i] >= self->read->mNumMeshes)
             return gw_fail(self->error, GW_BAD_INPUT, "a node names mesh %u of %u", node->mMeshes[i],
                            self->read->mNumMeshes);
         const struct aiMesh *mesh = self->read->mMeshes[node->mMeshes[i]];
+        if (!self->counting)
+            code = put_span(self, node, mesh);
         if (self->counting)
             count_mesh(self, mesh);
         else
@@ -228,7 +249,6 @@ static gw_code walk(converter *self, const struct aiNode *node, const matrix *pa
     }
     if (!self->counting)
         put_node_lights(self, node, &place);
-    gw_code code = GW_OK;
     for (unsigned i = 0; code == GW_OK && i < node->mNumChildren; i++)
         code = walk(self, node->mChildren[i], &place, depth + 1);
     return code;

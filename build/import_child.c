@@ -68,7 +68,7 @@ static gw_code add_log_notes(const log_notes *log, gw_source_model *model, gw_er
     return code;
 }
 
-/* glTF: marks the materials so that their places in the file's list survive assimp. */
+/* glTF: marks the materials, and what moves, so that their places in the file's lists survive assimp. */
 static gw_code mark_gltf(gw_import_files *files, gw_error *error) {
     gw_gltf gltf;
     gw_bytes marked;
@@ -76,7 +76,7 @@ static gw_code mark_gltf(gw_import_files *files, gw_error *error) {
     if (code != GW_OK)
         return code;
     files->promised_triangles = gw_gltf_promised_triangles(&gltf);
-    code = gw_gltf_mark_materials(&gltf, &marked, error);
+    code = gw_gltf_mark(&gltf, &marked, error);
     gw_gltf_close(&gltf);
     if (code != GW_OK)
         return code;

@@ -9,7 +9,7 @@
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the stream copies little-endian memory");
 
 static const char stream_magic[8] = {'G', 'W', 'M', 'O', 'D', 'E', 'L', '\n'};
-enum { STREAM_VERSION = 1, MAXIMUM_TEXT = 4096, TRAILER = 0x0a444e45 /* "END\n" */ };
+enum { STREAM_VERSION = 2, MAXIMUM_TEXT = 4096, TRAILER = 0x0a444e45 /* "END\n" */ };
 enum { HAS_NORMALS = 1, HAS_TEXCOORDS = 2, HAS_COLORS = 4, WANTS_NORMALS = 8 };
 
 /* --- writing: the same walk is done twice, first only to count --- */
@@ -117,6 +117,11 @@ static void put_rest(writer *to, const gw_scene *scene) {
         put_text(to, scene->notes[i]);
 }
 
+static void put_spans(writer *to, const gw_source_model *model) {
+    put_u32(to, model->span_count);
+    put(to, model->spans, model->span_count * sizeof *model->spans);
+}
+
 static void put_model(writer *to, const gw_source_model *model, uint64_t total) {
     put(to, stream_magic, sizeof stream_magic);
     put_u32(to, STREAM_VERSION);
@@ -126,6 +131,7 @@ static void put_model(writer *to, const gw_source_model *model, uint64_t total) 
     put_materials(to, model);
     put_sources(to, model);
     put_rest(to, model->scene);
+    put_spans(to, model);
     put_u32(to, TRAILER);
 }
 
@@ -365,6 +371,20 @@ static void get_notes(reader *from, gw_scene *scene) {
     }
 }
 
+/* Spans stand in the order of their vertices and do not overlap. */
+static void get_spans(reader *from, gw_source_model *model) {
+    const uint32_t count = get_count(from, sizeof *model->spans);
+    model->spans = get_array(from, count, sizeof *model->spans);
+    uint64_t end = 0;
+    for (uint32_t i = 0; i < count && !from->fault; i++) {
+        const gw_vertex_span *span = &model->spans[i];
+        if (span->first < end || (uint64_t)span->first + span->count > model->scene->vertex_count)
+            reject(from, "a span of vertices is out of range");
+        end = (uint64_t)span->first + span->count;
+    }
+    model->span_count = from->fault ? 0 : count;
+}
+
 uint64_t gw_model_stream_size(const void *header) {
     const uint8_t *bytes = header;
     uint64_t size;
@@ -392,6 +412,7 @@ gw_code gw_model_stream_read(const void *data, size_t size, gw_source_model **ou
     get_lights(&from, model->scene);
     get_viewpoints(&from, model->scene);
     get_notes(&from, model->scene);
+    get_spans(&from, model);
     if (get_u32(&from) != TRAILER || from.at != from.size)
         reject(&from, "it does not end where it should");
     if (from.fault) {

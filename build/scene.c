@@ -1,6 +1,7 @@
 #include "build/scene.h"
 
 #include "base/memory.h"
+#include "build/animation.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -31,6 +32,7 @@ void gw_scene_destroy(gw_scene **scene_address) {
     free(scene->viewpoints);
     free(scene->paths);
     free(scene->notes);
+    gw_animation_destroy(&scene->animation);
     free(scene);
     *scene_address = NULL;
 }
@@ -136,5 +138,7 @@ void gw_scene_rehash(gw_scene *scene) {
         hash = gw_hash_bytes(hash, scene->colors, vertices * 4);
     hash = gw_hash_bytes(hash, scene->triangles, triangles * 3 * sizeof(uint32_t));
     hash = gw_hash_bytes(hash, scene->material_of, triangles * sizeof(uint32_t));
+    if (scene->animation)
+        hash = gw_animation_hash(hash, scene->animation);
     scene->hash = hash_views(hash_appearance(hash, scene), scene);
 }

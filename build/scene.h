@@ -18,6 +18,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+struct gw_animation;
+
 typedef enum gw_alpha_mode { GW_ALPHA_OPAQUE, GW_ALPHA_MASK, GW_ALPHA_BLEND } gw_alpha_mode;
 typedef enum gw_wrap { GW_WRAP_REPEAT, GW_WRAP_CLAMP, GW_WRAP_MIRROR } gw_wrap;
 
@@ -134,6 +136,10 @@ typedef struct gw_scene {
     uint32_t triangle_count;
     uint32_t (*triangles)[3]; /* vertex indices, canonical order */
     uint32_t *material_of;    /* [triangle_count] */
+
+    /* What moves, NULL when nothing does. Positions and normals above are those at time 0, and so are the order
+     * of triangles and what is welded: a welded vertex stays one at any time. */
+    struct gw_animation *animation;
 
     uint32_t material_count, texture_count, light_count, viewpoint_count, path_count;
     gw_material *materials;

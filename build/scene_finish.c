@@ -2,9 +2,12 @@
 #include "build/scene.h"
 
 #include "base/memory.h"
+#include "build/animation.h"
 #include "build/exact.h"
+#include "build/scene_motion.h"
 #include "build/scene_order.h"
 #include "build/scene_outliers.h"
+#include "build/scene_pose.h"
 #include "build/weld.h"
 
 #include <float.h>
@@ -21,7 +24,9 @@ static const uint32_t maximum_triangles = 0x7fffffff; /* a reference keeps one b
 typedef struct finish {
     gw_scene *scene;
     const double *world;
-    uint32_t *row_of; /* [file vertices] row, or `unused` */
+    gw_scene_motion motion; /* empty unless the scene is animated */
+    uint32_t *vertex_of;    /* [row_count] file vertex of a row; NULL unless the scene is animated */
+    uint32_t *row_of;       /* [file vertices] row, or `unused` */
     uint32_t *rows;   /* [row_count][GW_VERTEX_WORDS] */
     uint32_t row_count;
     uint64_t bad_normals, bad_texcoords;
@@ -75,6 +80,8 @@ static fate judge(const finish *self, const uint32_t corners[3], uint32_t materi
         p[i] = self->world + (size_t)corners[i] * 3;
         if (!isfinite(p[i][0]) || !isfinite(p[i][1]) || !isfinite(p[i][2]))
             return NON_FINITE;
+        if (self->scene->animation) /* no area now may be some at another time: the shape at rest decides */
+            p[i] = self->scene->animation->bind_positions + (size_t)corners[i] * 3;
     }
     if (same_point(p[0], p[1]) || same_point(p[1], p[2]) || same_point(p[2], p[0]))
         return REPEATED_VERTEX;
@@ -139,14 +146,21 @@ static gw_code mark_rows(finish *self, gw_error *error) {
         for (int k = 0; k < 3; k++)
             if (self->row_of[scene->triangles[i][k]] == unused)
                 self->row_of[scene->triangles[i][k]] = self->row_count++;
+    if (scene->animation) {
+        code = gw_allocate((void **)&self->vertex_of, self->row_count, sizeof(uint32_t), "vertex rows", error);
+        for (uint32_t v = 0; code == GW_OK && v < scene->vertex_count; v++)
+            if (self->row_of[v] != unused)
+                self->vertex_of[self->row_of[v]] = v;
+        if (code != GW_OK)
+            return code;
+    }
     code = gw_allocate(&memory, self->row_count, GW_VERTEX_WORDS * sizeof(uint32_t), "vertices", error);
     if (code == GW_OK)
         self->rows = memory;
     return code;
 }
 
-/* Bounds, centre and exponent. Halves are taken before differences so that nothing overflows. */
-static gw_code measure(finish *self, gw_error *error) {
+static void measure_bounds(finish *self) {
     gw_scene *scene = self->scene;
     for (int axis = 0; axis < 3; axis++) {
         scene->bounds[0][axis] = DBL_MAX;
@@ -160,6 +174,19 @@ static gw_code measure(finish *self, gw_error *error) {
             scene->bounds[0][axis] = value < scene->bounds[0][axis] ? value : scene->bounds[0][axis];
             scene->bounds[1][axis] = value > scene->bounds[1][axis] ? value : scene->bounds[1][axis];
         }
+    }
+}
+
+/* Bounds, centre and exponent. Halves are taken before differences so that nothing overflows. */
+static gw_code measure(finish *self, gw_error *error) {
+    gw_scene *scene = self->scene;
+    if (scene->animation) {
+        gw_code code = gw_scene_motion_measure(scene, self->row_of, &self->motion, error);
+        if (code != GW_OK)
+            return code;
+        memcpy(scene->bounds, self->motion.bounds, sizeof scene->bounds);
+    } else {
+        measure_bounds(self);
     }
     double half_side = 0.0;
     for (int axis = 0; axis < 3; axis++) {
@@ -182,25 +209,21 @@ static uint32_t float_word(float value) {
     return word;
 }
 
-/* Unit length, or zero where the file gave nothing usable. */
 static void clean_normal(finish *self, const float *normal, uint32_t words[3]) {
-    double n[3] = {normal[0], normal[1], normal[2]};
-    double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    int usable = isfinite(length) && length > 1e-30;
-    if (!usable && length != 0.0)
+    float clean[3];
+    const int given = normal[0] != 0.0f || normal[1] != 0.0f || normal[2] != 0.0f;
+    if (!gw_scene_clean_normal(normal, clean) && given)
         self->bad_normals++;
-    for (int axis = 0; axis < 3; axis++)
-        words[axis] = float_word(usable ? (float)(n[axis] / length) : 0.0f);
+    memcpy(words, clean, sizeof clean);
 }
 
 static void fill_row(finish *self, uint32_t vertex, uint32_t *row) {
     const gw_scene *scene = self->scene;
     const size_t v = vertex;
-    for (size_t axis = 0; axis < 3; axis++) {
-        double rebased = scalbn(self->world[v * 3 + axis] - scene->centre[axis], -scene->exponent);
-        /* Far from the origin the rounding of the centre alone can lead outside [-1,1]. */
-        row[axis] = float_word((float)fmin(1.0, fmax(-1.0, rebased)));
-    }
+    float position[3];
+    /* Far from the origin the rounding of the centre alone can lead outside [-1,1]: held there. */
+    gw_scene_rebase_point(scene, self->world + v * 3, position);
+    memcpy(row, position, sizeof position);
     if (scene->normals)
         clean_normal(self, scene->normals + v * 3, row + 3);
     if (scene->texcoords) {
@@ -212,6 +235,8 @@ static void fill_row(finish *self, uint32_t vertex, uint32_t *row) {
     }
     if (scene->colors)
         memcpy(row + 8, scene->colors + v * 4, 4);
+    if (scene->animation)
+        row[9] = self->motion.content_of[v];
 }
 
 static void rebase(finish *self) {
@@ -224,11 +249,24 @@ static void rebase(finish *self) {
             scene->triangles[i][k] = self->row_of[scene->triangles[i][k]];
 }
 
+/* Whether a triangle of rows has a corner that moves. */
+static int moves(const finish *self, const uint32_t rows[3]) {
+    const gw_animation *animation = self->scene->animation;
+    for (int k = 0; animation && k < 3; k++)
+        if (animation->bindings[animation->binding_of[self->vertex_of[rows[k]]]].count > 0)
+            return 1;
+    return 0;
+}
+
 static void drop_collapsed(finish *self) {
     gw_scene *scene = self->scene;
     uint32_t kept = 0;
     for (uint32_t i = 0; i < scene->triangle_count; i++) {
         double p[3][3];
+        if (moves(self, scene->triangles[i])) {
+            keep_triangle(scene, kept++, i);
+            continue;
+        }
         for (int k = 0; k < 3; k++) {
             float position[3];
             memcpy(position, self->rows + (size_t)scene->triangles[i][k] * GW_VERTEX_WORDS, sizeof position);
@@ -251,9 +289,12 @@ static gw_code merge_rows(finish *self, gw_error *error) {
     gw_code code = gw_weld(self->rows, self->row_count, GW_VERTEX_WORDS, ids, &unique, error);
     if (code != GW_OK)
         return code;
-    for (uint32_t row = 0; row < self->row_count; row++) /* ids never exceed their row: moving down is safe */
+    for (uint32_t row = 0; row < self->row_count; row++) { /* ids never exceed their row: moving down is safe */
         memmove(self->rows + (size_t)ids[row] * GW_VERTEX_WORDS, self->rows + (size_t)row * GW_VERTEX_WORDS,
                 GW_VERTEX_WORDS * sizeof(uint32_t));
+        if (self->vertex_of)
+            self->vertex_of[ids[row]] = self->vertex_of[row];
+    }
     for (uint32_t i = 0; i < scene->triangle_count; i++)
         for (int k = 0; k < 3; k++)
             scene->triangles[i][k] = ids[scene->triangles[i][k]];
@@ -310,6 +351,33 @@ static void adopt_arrays(gw_scene *scene, const vertex_arrays *arrays) {
     scene->welded = arrays->welded;
 }
 
+/* In an animated scene those vertices are one that stay together, and the animation takes the order of the
+ * vertices. */
+static gw_code weld_motions(finish *self, uint32_t count, gw_error *error) {
+    enum { WORDS = GW_POSITION_WORDS + 1 };
+    gw_scene *scene = self->scene;
+    uint32_t *source_of = NULL, *words = NULL;
+    gw_code code = gw_allocate((void **)&source_of, count, sizeof *source_of, "animated vertices", error);
+    if (code == GW_OK)
+        code = gw_allocate((void **)&words, count, WORDS * sizeof *words, "animated vertices", error);
+    for (uint32_t row = 0; code == GW_OK && row < self->row_count; row++) {
+        const size_t v = self->row_of[row];
+        if (self->row_of[row] == unused)
+            continue;
+        source_of[v] = self->vertex_of[row];
+        memcpy(words + v * WORDS, scene->positions + v * 3, GW_POSITION_WORDS * sizeof *words);
+        words[v * WORDS + GW_POSITION_WORDS] =
+            self->motion.motion_of[self->rows[(size_t)row * GW_VERTEX_WORDS + 9]];
+    }
+    if (code == GW_OK)
+        code = gw_weld(words, count, WORDS, scene->welded, &scene->welded_count, error);
+    if (code == GW_OK)
+        code = gw_scene_motion_select(scene, source_of, count, error);
+    free(source_of);
+    free(words);
+    return code;
+}
+
 static gw_code write_vertices(finish *self, gw_error *error) {
     gw_scene *scene = self->scene;
     const uint32_t count = number_by_first_use(self);
@@ -330,8 +398,10 @@ static gw_code write_vertices(finish *self, gw_error *error) {
         if (scene->colors)
             memcpy(scene->colors + v * 4, words + 8, 4);
     }
-    return gw_weld((const uint32_t *)(const void *)scene->positions, count, GW_POSITION_WORDS, scene->welded,
-                   &scene->welded_count, error);
+    return scene->animation
+               ? weld_motions(self, count, error)
+               : gw_weld((const uint32_t *)(const void *)scene->positions, count, GW_POSITION_WORDS,
+                         scene->welded, &scene->welded_count, error);
 }
 
 static gw_code note_repairs(const finish *self, gw_error *error) {
@@ -349,17 +419,20 @@ static gw_code note_repairs(const finish *self, gw_error *error) {
 gw_code gw_scene_finish(gw_scene *scene, const double *world, gw_error *error) {
     finish self = {.scene = scene, .world = world};
     gw_code code = check_counts(scene, error);
+    if (code == GW_OK && scene->animation)
+        code = gw_scene_motion_init(scene, &self.motion, error);
     if (code != GW_OK)
         return code;
+    if (scene->animation)
+        self.world = self.motion.world;
     drop_bad_triangles(&self);
     code = fail_if_nothing_left(scene, error);
     if (code == GW_OK)
-        code = gw_scene_drop_outliers(scene, world, error);
+        code = gw_scene_drop_outliers(scene, self.world, error);
     if (code == GW_OK)
         code = mark_rows(&self, error);
-    if (code != GW_OK)
-        goto cleanup;
-    code = measure(&self, error);
+    if (code == GW_OK)
+        code = measure(&self, error);
     if (code != GW_OK)
         goto cleanup;
     rebase(&self);
@@ -376,6 +449,8 @@ gw_code gw_scene_finish(gw_scene *scene, const double *world, gw_error *error) {
     if (code == GW_OK)
         gw_scene_rehash(scene);
 cleanup:
+    gw_scene_motion_finish(&self.motion);
+    free(self.vertex_of);
     free(self.row_of);
     free(self.rows);
     return code;

@@ -26,12 +26,13 @@ static int compare_words(const uint32_t *a, const uint32_t *b, size_t count) {
     return 0;
 }
 
-/* Corners of a triangle that is not degenerate differ in position, so the least one is unique. */
+/* Corners of a triangle differ in position, so the least one is unique; in an animated scene they may meet at
+ * time 0, and differ in what they are then. */
 static void rotate_triangle(uint32_t triangle[3], const uint32_t *vertices) {
     uint32_t first = 0;
     for (uint32_t i = 1; i < 3; i++)
         if (compare_words(vertices + (size_t)triangle[i] * GW_VERTEX_WORDS,
-                          vertices + (size_t)triangle[first] * GW_VERTEX_WORDS, GW_POSITION_WORDS) < 0)
+                          vertices + (size_t)triangle[first] * GW_VERTEX_WORDS, GW_VERTEX_WORDS) < 0)
             first = i;
     const uint32_t corners[3] = {triangle[0], triangle[1], triangle[2]};
     for (uint32_t i = 0; i < 3; i++)

@@ -1,6 +1,8 @@
 #include "build/source_model.h"
 
 #include "base/memory.h"
+#include "build/animation.h"
+#include "build/matrix.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -41,40 +43,17 @@ void gw_source_model_destroy(gw_source_model **model_address) {
     gw_source_model_drop_sources(model);
     gw_scene_destroy(&model->scene);
     free(model->world);
+    free(model->spans);
     free(model);
     *model_address = NULL;
 }
 
-static double determinant(const double m[3][4]) {
-    return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
-           m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
-           m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
-}
-
-static void transform_point(const double m[3][4], double p[3]) {
-    const double q[3] = {p[0], p[1], p[2]};
-    for (int i = 0; i < 3; i++)
-        p[i] = m[i][0] * q[0] + m[i][1] * q[1] + m[i][2] * q[2] + m[i][3];
-}
-
-/* By the matrix of cofactors, which carries normals also through scalings that differ by axis. */
-static void transform_normals(gw_scene *scene, const double m[3][4], double sign) {
-    double cofactor[3][3];
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++) {
-            int a = (i + 1) % 3, b = (i + 2) % 3, c = (k + 1) % 3, d = (k + 2) % 3;
-            cofactor[i][k] = sign * (m[a][c] * m[b][d] - m[a][d] * m[b][c]);
-        }
+static void transform_normals(gw_scene *scene, const double m[3][4]) {
+    double cofactors[3][3];
+    gw_matrix_cofactors(m, cofactors);
     for (uint32_t v = 0; v < scene->vertex_count; v++) {
         float *normal = scene->normals + (size_t)v * 3;
-        double turned[3], length = 0.0;
-        for (int i = 0; i < 3; i++) {
-            turned[i] = cofactor[i][0] * normal[0] + cofactor[i][1] * normal[1] + cofactor[i][2] * normal[2];
-            length += turned[i] * turned[i];
-        }
-        length = sqrt(length);
-        for (int i = 0; i < 3; i++)
-            normal[i] = length > 0.0 ? (float)(turned[i] / length) : 0.0f;
+        gw_matrix_normal((const double(*)[3])cofactors, normal, normal);
     }
 }
 
@@ -98,7 +77,7 @@ static void transform_lights(gw_scene *scene, const double m[3][4], double scale
             transform_direction(m, light->vector);
             continue;
         }
-        transform_point(m, light->vector);
+        gw_matrix_point(m, light->vector, light->vector);
         for (int k = 0; k < 3; k++)
             light->color[k] = (float)(light->color[k] * scale * scale);
     }
@@ -106,13 +85,18 @@ static void transform_lights(gw_scene *scene, const double m[3][4], double scale
 
 gw_code gw_source_model_transform(gw_source_model *model, const double m[3][4], gw_error *error) {
     gw_scene *scene = model->scene;
-    const double volume = determinant(m);
+    const double volume = gw_matrix_determinant(m);
     if (!isfinite(volume) || volume == 0.0)
         return gw_fail(error, GW_BAD_INPUT, "the matrix flattens the model: its determinant is %g", volume);
+    if (scene->animation) {
+        gw_code code = gw_animation_transform(scene->animation, m, error);
+        if (code != GW_OK)
+            return code;
+    }
     for (uint32_t v = 0; v < scene->vertex_count; v++)
-        transform_point(m, model->world + (size_t)v * 3);
+        gw_matrix_point(m, model->world + (size_t)v * 3, model->world + (size_t)v * 3);
     if (scene->normals)
-        transform_normals(scene, m, volume < 0.0 ? -1.0 : 1.0);
+        transform_normals(scene, m);
     if (volume < 0.0)
         for (uint32_t i = 0; i < scene->triangle_count; i++) {
             uint32_t swap = scene->triangles[i][1];
@@ -121,8 +105,8 @@ gw_code gw_source_model_transform(gw_source_model *model, const double m[3][4], 
         }
     transform_lights(scene, m, cbrt(fabs(volume)));
     for (uint32_t i = 0; i < scene->viewpoint_count; i++) {
-        transform_point(m, scene->viewpoints[i].eye);
-        transform_point(m, scene->viewpoints[i].look_at);
+        gw_matrix_point(m, scene->viewpoints[i].eye, scene->viewpoints[i].eye);
+        gw_matrix_point(m, scene->viewpoints[i].look_at, scene->viewpoints[i].look_at);
         transform_direction(m, scene->viewpoints[i].up);
     }
     return GW_OK;
@@ -198,14 +182,33 @@ static void shift_indices(gw_scene *scene, uint32_t vertices, uint32_t materials
             scene->materials[i].base_color_texture += (int32_t)textures;
 }
 
+/* Beside a model that moves one that stays has an animation, too: of vertices that stay. */
+static gw_code append_animation(gw_source_model *target, gw_source_model *part, gw_error *error) {
+    gw_source_model *both[2] = {target, part};
+    if (!target->scene->animation && !part->scene->animation)
+        return GW_OK;
+    for (int i = 0; i < 2; i++) {
+        gw_scene *scene = both[i]->scene;
+        gw_code code = scene->animation ? GW_OK
+                                        : gw_animation_still(scene->vertex_count, both[i]->world,
+                                                             scene->normals, &scene->animation, error);
+        if (code != GW_OK)
+            return code;
+    }
+    return gw_animation_append(target->scene->animation, part->scene->animation, error);
+}
+
 gw_code gw_source_model_append(gw_source_model *target, gw_source_model *part, gw_error *error) {
     gw_scene *a = target->scene, *b = part->scene;
     if ((uint64_t)a->vertex_count + b->vertex_count >= UINT32_MAX ||
         (uint64_t)a->triangle_count + b->triangle_count >= UINT32_MAX)
         return gw_fail(error, GW_BAD_INPUT,
                        "the models together have more vertices or triangles than a scene can hold");
+    gw_code code = append_animation(target, part, error);
+    if (code != GW_OK)
+        return code;
     shift_indices(b, a->vertex_count, a->material_count, a->texture_count);
-    gw_code code = join_arrays(target, part, error);
+    code = join_arrays(target, part, error);
     if (code != GW_OK)
         return code; /* images and notes are still the part's: the target does not count them */
     a->vertex_count += b->vertex_count;

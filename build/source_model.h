@@ -30,6 +30,12 @@ typedef struct gw_material_source {
         alpha_from_texture; /* 1: the file names no alpha mode; take MASK if the texture has alpha (MTL) */
 } gw_material_source;
 
+/* Vertices that came from one primitive under one node of a glTF file, in the file's order. */
+typedef struct gw_vertex_span {
+    uint32_t node, mesh, primitive; /* places in the file's lists */
+    uint32_t first, count;          /* vertices of the model */
+} gw_vertex_span;
+
 typedef struct gw_source_model {
     gw_scene
         *scene; /* file-side arrays; normals, texcoords and colors may be NULL; textures empty until loaded */
@@ -37,6 +43,8 @@ typedef struct gw_source_model {
     uint32_t source_count;
     gw_texture_source *sources;
     gw_material_source *material_sources; /* [scene->material_count] */
+    uint32_t span_count; /* 0 unless the file has animations or skins */
+    gw_vertex_span *spans;
     int32_t wants_normals; /* 1: a scan or bare mesh without shading normals: make smooth ones */
 } gw_source_model;
 

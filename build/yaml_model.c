@@ -10,7 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const model_keys[] = {"file", "up", "unit", "matrix", "translate", "rotate", "scale"};
+static const char *const model_keys[] = {"file",   "up",        "unit",   "matrix",
+                                         "rotate", "translate", "scale", "animation"};
 
 typedef struct transform {
     double m[3][4];
@@ -183,9 +184,16 @@ static gw_code load_file(const gw_yaml_node *node, const char *name, const char 
                          const gw_import_options *options, gw_source_model **out, gw_error *error) {
     if (gw_path_has_extension(name, ".yaml") || gw_path_has_extension(name, ".yml"))
         return gw_yaml_fail(node, error, "key 'file': '%s' is a scene; scenes cannot contain scenes", name);
+    gw_import_options own = *options;
+    const gw_yaml_node *animation = gw_yaml_find(node, "animation");
+    if (animation && !own.animation) {
+        own.animation = gw_yaml_text(animation);
+        if (!own.animation)
+            return gw_yaml_fail(animation, error, "key 'animation': a name, a number, all or none is expected");
+    }
     char *folder = gw_path_folder(path);
     char *file = folder ? gw_path_join(folder, name) : NULL;
-    gw_code code = file ? gw_import_model(file, options, out, error)
+    gw_code code = file ? gw_import_model(file, &own, out, error)
                         : gw_fail(error, GW_MACHINE, "out of memory for a file name");
     if (code != GW_OK)
         gw_context(error, "%s:%d", path, gw_yaml_node_line(node));

@@ -203,6 +203,7 @@ enum {
     KEY_TAU,
     KEY_SEED,
     KEY_TIME,
+    KEY_ANIMATION,
     KEY_DEBUG,
     KEY_REPORT,
     KEY_SHADERS,
@@ -225,7 +226,11 @@ static const struct argp_option draw_options[] = {
      "(0: exact triangles everywhere); the same as --set tau=",
      10},
     {"seed", KEY_SEED, "N", 0, "0 to 4294967295, default 0: of every random number", 10},
-    {"time", KEY_TIME, "SECONDS", 0, "0 to 1e6, default 0: where on the track's clock the first frame stands",
+    {"time", KEY_TIME, "SECONDS", 0,
+     "0 to 1e6, default 0: where on the track's and the animation's clock the first frame stands", 10},
+    {"animation", KEY_ANIMATION, "NAME", 0,
+     "the animation of a glTF file that plays, looped: its name, its number from 0, all, or none; default: the "
+     "first",
      10},
     {"debug", KEY_DEBUG, "VIEW", 0,
      "levels (red: triangles, green to blue: voxel levels), steps, normals, gaze, or none; default none", 10},
@@ -286,6 +291,9 @@ static error_t parse_draw(int key, char *argument, struct argp_state *state) {
         break;
     case KEY_TIME:
         code = gw_parse_number("--time", argument, 0, 1e6, &options->time, error);
+        break;
+    case KEY_ANIMATION:
+        options->animation = argument;
         break;
     case KEY_DEBUG:
         code = set_debug(options, argument);

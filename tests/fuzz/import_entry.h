@@ -53,7 +53,7 @@ static inline void fuzz_gltf(const uint8_t *data, size_t size) {
     gw_gltf_promised_triangles(&gltf);
     if (gw_gltf_check_extensions(&gltf, model, &error) == GW_OK)
         import_require(gw_gltf_apply(&gltf, model, &error) == GW_OK);
-    if (gw_gltf_mark_materials(&gltf, &marked, &error) == GW_OK) {
+    if (gw_gltf_mark(&gltf, &marked, &error) == GW_OK) {
         gw_gltf again; /* what is handed to assimp must still be the same kind of file */
         import_require(gw_gltf_open(marked.data, marked.size, NULL, &again, &error) == GW_OK);
         import_require(again.binary == gltf.binary);

@@ -81,7 +81,8 @@ gw_code gw_animation_still(uint32_t vertex_count, const double *positions, const
 /* Puts everything through a transform of scene space. */
 gw_code gw_animation_transform(gw_animation *animation, const double matrix[3][4], gw_error *error);
 
-/* Adds everything of `part` behind that of `target`; the part's own indices are shifted and of no use after. */
+/* Adds everything of `part` behind that of `target`; the part's own indices are shifted and of no use after.
+ */
 gw_code gw_animation_append(gw_animation *target, gw_animation *part, gw_error *error);
 
 gw_hash gw_animation_hash(gw_hash hash, const gw_animation *animation);

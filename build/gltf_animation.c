@@ -60,8 +60,8 @@ static void mark_children(const gw_gltf_motion *motion, uint8_t *is_child) {
     }
 }
 
-/* Parents before children, breadth first from the roots; a node has one parent, so each comes up once. Nodes in
- * a circle never come up. */
+/* Parents before children, breadth first from the roots; a node has one parent, so each comes up once. Nodes
+ * in a circle never come up. */
 static void order_nodes(gw_gltf_motion *motion, const uint8_t *is_child, uint32_t *source_of) {
     gw_animation *animation = motion->animation;
     const json_t *nodes = list(motion, "nodes");
@@ -235,8 +235,8 @@ static gw_code read_clip(gw_gltf_motion *motion, size_t index, gw_error *error) 
         clip->duration = 1.0; /* one key at time 0: nothing changes, for however long */
     snprintf(clip->name, sizeof clip->name, "%s", name ? name : "");
     a->clip_count++;
-    return gw_scene_note(motion->model->scene, error, "glTF: animation %zu%s%.63s%s plays, %.4g s long", index,
-                         name ? " '" : "", name ? name : "", name ? "'" : "", clip->duration);
+    return gw_scene_note(motion->model->scene, error, "glTF: animation %zu%s%.63s%s plays, %.4g s long",
+                         index, name ? " '" : "", name ? name : "", name ? "'" : "", clip->duration);
 }
 
 /* In the order of nodes; those of one node keep theirs. */
@@ -277,7 +277,8 @@ static void settle_nodes(gw_gltf_motion *motion) {
 
 /* --- the choice --- */
 
-static gw_code find_animation(const gw_gltf_motion *motion, const char *choice, size_t *out, gw_error *error) {
+static gw_code find_animation(const gw_gltf_motion *motion, const char *choice, size_t *out,
+                              gw_error *error) {
     const json_t *animations = list(motion, "animations");
     const size_t count = json_array_size(animations);
     for (size_t i = 0; i < count; i++) {
@@ -294,9 +295,10 @@ static gw_code find_animation(const gw_gltf_motion *motion, const char *choice, 
         return GW_OK;
     }
     const char *first = json_string_value(json_object_get(json_array_get(animations, 0), "name"));
-    return gw_fail(error, GW_BAD_INPUT,
-                   "it has no animation '%.60s' (it has %zu%s%.60s%s); name one, its number from 0, all or none",
-                   choice, count, first ? ", the first is '" : "", first ? first : "", first ? "'" : "");
+    return gw_fail(
+        error, GW_BAD_INPUT,
+        "it has no animation '%.60s' (it has %zu%s%.60s%s); name one, its number from 0, all or none", choice,
+        count, first ? ", the first is '" : "", first ? first : "", first ? "'" : "");
 }
 
 static gw_code read_clips(gw_gltf_motion *motion, const char *choice, gw_error *error) {
@@ -315,9 +317,10 @@ static gw_code read_clips(gw_gltf_motion *motion, const char *choice, gw_error *
     for (size_t i = first; code == GW_OK && i < end; i++)
         code = read_clip(motion, i, error);
     if (code == GW_OK && end - first < count)
-        code = gw_scene_note(motion->model->scene, error,
-                             "glTF: %zu of %zu animations plays; --animation NAME chooses, all plays them all",
-                             end - first, count);
+        code =
+            gw_scene_note(motion->model->scene, error,
+                          "glTF: %zu of %zu animations plays; --animation NAME chooses, all plays them all",
+                          end - first, count);
     if (code == GW_OK && motion->morphs)
         code = gw_scene_note(motion->model->scene, error,
                              "glTF: %u channels move morph targets: drawn without them", motion->morphs);

@@ -1,5 +1,5 @@
-/* The animation of a glTF file: nodes, channels and skins from its JSON and buffers, tied to the vertices that
- * the import child delivered. Reads untrusted bytes. Any thread. */
+/* The animation of a glTF file: nodes, channels and skins from its JSON and buffers, tied to the vertices
+ * that the import child delivered. Reads untrusted bytes. Any thread. */
 #ifndef GW_BUILD_GLTF_ANIMATION_H
 #define GW_BUILD_GLTF_ANIMATION_H
 

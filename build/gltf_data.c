@@ -210,8 +210,8 @@ static gw_code read_sparse(gw_gltf_data *data, const json_t *sparse, const readi
                        job->accessor, kind);
     gw_code code = find_rows(data, indices, count, bytes_of(kind), "sparse indices", &index_rows, error);
     if (code == GW_OK)
-        code = find_rows(data, json_object_get(sparse, "values"), count, bytes_of(job->kind) * job->components,
-                         "sparse values", &value_rows, error);
+        code = find_rows(data, json_object_get(sparse, "values"), count,
+                         bytes_of(job->kind) * job->components, "sparse values", &value_rows, error);
     if (code == GW_OK && count > 0 && (!index_rows.first || !value_rows.first))
         code = gw_fail(error, GW_BAD_INPUT, "glTF accessor %zu: its sparse part names no bufferView",
                        job->accessor);
@@ -231,8 +231,9 @@ static gw_code check_type(const json_t *accessor, reading *job, gw_error *error)
     job->kind = size_of(accessor, "componentType", 0);
     job->normalized = json_is_true(json_object_get(accessor, "normalized"));
     if (!accessor || components_of(type) != job->components)
-        return gw_fail(error, GW_BAD_INPUT, "glTF accessor %zu (%s) has %s elements instead of %zu numbers each",
-                       job->accessor, job->what, type ? type : "no", job->components);
+        return gw_fail(error, GW_BAD_INPUT,
+                       "glTF accessor %zu (%s) has %s elements instead of %zu numbers each", job->accessor,
+                       job->what, type ? type : "no", job->components);
     if (job->kind < BYTE || job->kind > FLOAT || job->kind == UNSIGNED_INT - 1 ||
         (job->integers && job->kind == FLOAT))
         return gw_fail(error, GW_BAD_INPUT, "glTF accessor %zu (%s) has componentType %zu", job->accessor,

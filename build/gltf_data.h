@@ -1,5 +1,5 @@
-/* The numbers behind a glTF file's accessors: buffers (the BIN chunk, data: URIs, files beside the model) and the
- * accessors in them, every component type, interleaved and sparse. Reads untrusted bytes: nothing is read
+/* The numbers behind a glTF file's accessors: buffers (the BIN chunk, data: URIs, files beside the model) and
+ * the accessors in them, every component type, interleaved and sparse. Reads untrusted bytes: nothing is read
  * outside a buffer, whatever the JSON says. Any thread. */
 #ifndef GW_BUILD_GLTF_DATA_H
 #define GW_BUILD_GLTF_DATA_H
@@ -26,8 +26,9 @@ void gw_gltf_data_close(gw_gltf_data *data);
 /* Elements of an accessor; 0 when there is no such accessor. */
 size_t gw_gltf_count(const gw_gltf *gltf, size_t accessor);
 
-/* All numbers of an accessor, `components` to the element (its type must have so many), as [count][components];
- * normalised integers become -1..1 or 0..1. All are finite. what names it in messages. free(*out). */
+/* All numbers of an accessor, `components` to the element (its type must have so many), as
+ * [count][components]; normalised integers become -1..1 or 0..1. All are finite. what names it in messages.
+ * free(*out). */
 gw_code gw_gltf_numbers(gw_gltf_data *data, size_t accessor, size_t components, const char *what, float **out,
                         size_t *count, gw_error *error);
 

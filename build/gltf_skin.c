@@ -69,14 +69,15 @@ static gw_code read_skin(binder *self, size_t index, gw_error *error) {
         code = gw_gltf_numbers(&self->motion->data, (size_t)accessor, 16, "inverse bind matrices", &matrices,
                                &matrix_count, error);
     if (code == GW_OK && (count == 0 || (matrices && matrix_count < count)))
-        code = gw_fail(error, GW_BAD_INPUT, "glTF skin %zu has %zu joints and %zu inverse bind matrices", index,
-                       count, matrix_count);
+        code = gw_fail(error, GW_BAD_INPUT, "glTF skin %zu has %zu joints and %zu inverse bind matrices",
+                       index, count, matrix_count);
     self->skin_joint[index] = self->motion->animation->joint_count + 1;
     for (size_t i = 0; code == GW_OK && i < count; i++) {
         const json_t *joint = json_array_get(joints, i);
         const json_int_t node = json_is_integer(joint) ? json_integer_value(joint) : -1;
         if (node < 0 || node >= (json_int_t)self->motion->node_count || self->motion->place_of[node] < 0)
-            code = gw_fail(error, GW_BAD_INPUT, "glTF skin %zu: joint %zu is not a node of the scene", index, i);
+            code =
+                gw_fail(error, GW_BAD_INPUT, "glTF skin %zu: joint %zu is not a node of the scene", index, i);
         else
             code = add_joint(self, (uint32_t)self->motion->place_of[node],
                              matrices ? matrices + i * 16 : NULL, error);
@@ -205,10 +206,11 @@ static gw_code read_shape(binder *self, const span_data *part, gw_error *error) 
 
 static gw_code find_span(const binder *self, const gw_vertex_span *span, span_data *out, gw_error *error) {
     const json_t *primitives = json_object_get(entry(self, "meshes", span->mesh), "primitives");
-    *out = (span_data){.span = span,
-                       .node = entry(self, "nodes", span->node),
-                       .attributes = json_object_get(json_array_get(primitives, span->primitive), "attributes"),
-                       .skin = -1};
+    *out =
+        (span_data){.span = span,
+                    .node = entry(self, "nodes", span->node),
+                    .attributes = json_object_get(json_array_get(primitives, span->primitive), "attributes"),
+                    .skin = -1};
     if (!out->node || !out->attributes)
         return gw_fail(error, GW_BAD_INPUT, "glTF: node %u with mesh %u, primitive %u is not in the file",
                        span->node, span->mesh, span->primitive);
@@ -229,7 +231,8 @@ static gw_code bind_span(binder *self, const gw_vertex_span *span, gw_error *err
     code = read_shape(self, &part, error);
     if (code != GW_OK)
         return code;
-    return part.skin >= 0 ? bind_to_skin(self, &part, error) : bind_to_node(self, &part, (uint32_t)node, error);
+    return part.skin >= 0 ? bind_to_skin(self, &part, error)
+                          : bind_to_node(self, &part, (uint32_t)node, error);
 }
 
 /* Equal bindings become one. */
@@ -261,9 +264,10 @@ gw_code gw_gltf_bind_vertices(gw_gltf_motion *motion, gw_error *error) {
     if (code == GW_OK)
         code = merge_bindings(motion->animation, error);
     if (code == GW_OK && self.crowded)
-        code = gw_scene_note(motion->model->scene, error,
-                             "glTF: %u meshes hang on more than four joints to the vertex: on the first four here",
-                             self.crowded);
+        code = gw_scene_note(
+            motion->model->scene, error,
+            "glTF: %u meshes hang on more than four joints to the vertex: on the first four here",
+            self.crowded);
     free(self.node_binding);
     free(self.skin_joint);
     return code;

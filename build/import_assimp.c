@@ -152,8 +152,8 @@ static int read_mark(const struct aiString *name, uint32_t *index, uint32_t *pri
     return !*end && first < UINT32_MAX && second < UINT32_MAX;
 }
 
-/* Tells where the vertices that put_mesh is about to add come from, in files whose nodes and meshes are marked
- * (gw_gltf_mark). */
+/* Tells where the vertices that put_mesh is about to add come from, in files whose nodes and meshes are
+ * marked (gw_gltf_mark). */
 static gw_code put_span(converter *self, const struct aiNode *node, const struct aiMesh *mesh) {
     gw_source_model *model = self->model;
     uint32_t whole;

@@ -137,8 +137,8 @@ typedef struct gw_scene {
     uint32_t (*triangles)[3]; /* vertex indices, canonical order */
     uint32_t *material_of;    /* [triangle_count] */
 
-    /* What moves, NULL when nothing does. Positions and normals above are those at time 0, and so are the order
-     * of triangles and what is welded: a welded vertex stays one at any time. */
+    /* What moves, NULL when nothing does. Positions and normals above are those at time 0, and so are the
+     * order of triangles and what is welded: a welded vertex stays one at any time. */
     struct gw_animation *animation;
 
     uint32_t material_count, texture_count, light_count, viewpoint_count, path_count;

@@ -27,7 +27,7 @@ typedef struct finish {
     gw_scene_motion motion; /* empty unless the scene is animated */
     uint32_t *vertex_of;    /* [row_count] file vertex of a row; NULL unless the scene is animated */
     uint32_t *row_of;       /* [file vertices] row, or `unused` */
-    uint32_t *rows;   /* [row_count][GW_VERTEX_WORDS] */
+    uint32_t *rows;         /* [row_count][GW_VERTEX_WORDS] */
     uint32_t row_count;
     uint64_t bad_normals, bad_texcoords;
 } finish;
@@ -147,7 +147,8 @@ static gw_code mark_rows(finish *self, gw_error *error) {
             if (self->row_of[scene->triangles[i][k]] == unused)
                 self->row_of[scene->triangles[i][k]] = self->row_count++;
     if (scene->animation) {
-        code = gw_allocate((void **)&self->vertex_of, self->row_count, sizeof(uint32_t), "vertex rows", error);
+        code =
+            gw_allocate((void **)&self->vertex_of, self->row_count, sizeof(uint32_t), "vertex rows", error);
         for (uint32_t v = 0; code == GW_OK && v < scene->vertex_count; v++)
             if (self->row_of[v] != unused)
                 self->vertex_of[self->row_of[v]] = v;
@@ -289,7 +290,8 @@ static gw_code merge_rows(finish *self, gw_error *error) {
     gw_code code = gw_weld(self->rows, self->row_count, GW_VERTEX_WORDS, ids, &unique, error);
     if (code != GW_OK)
         return code;
-    for (uint32_t row = 0; row < self->row_count; row++) { /* ids never exceed their row: moving down is safe */
+    for (uint32_t row = 0; row < self->row_count;
+         row++) { /* ids never exceed their row: moving down is safe */
         memmove(self->rows + (size_t)ids[row] * GW_VERTEX_WORDS, self->rows + (size_t)row * GW_VERTEX_WORDS,
                 GW_VERTEX_WORDS * sizeof(uint32_t));
         if (self->vertex_of)
@@ -398,10 +400,9 @@ static gw_code write_vertices(finish *self, gw_error *error) {
         if (scene->colors)
             memcpy(scene->colors + v * 4, words + 8, 4);
     }
-    return scene->animation
-               ? weld_motions(self, count, error)
-               : gw_weld((const uint32_t *)(const void *)scene->positions, count, GW_POSITION_WORDS,
-                         scene->welded, &scene->welded_count, error);
+    return scene->animation ? weld_motions(self, count, error)
+                            : gw_weld((const uint32_t *)(const void *)scene->positions, count,
+                                      GW_POSITION_WORDS, scene->welded, &scene->welded_count, error);
 }
 
 static gw_code note_repairs(const finish *self, gw_error *error) {

@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The scene is looked at so many times over each clip's length, fewer where vertices are many; between those it
- * may reach further by a part of its longest side. */
+/* The scene is looked at so many times over each clip's length, fewer where vertices are many; between those
+ * it may reach further by a part of its longest side. */
 enum { MOST_LOOKS = 128, LEAST_LOOKS = 16, LOOKED_VERTICES = 1 << 25 };
 static const double margin = 1.0 / 32.0;
 
@@ -39,7 +39,8 @@ static int compare_rows(const void *a_index, const void *b_index, void *context)
     return 0;
 }
 
-/* number_of[i]: the place of row i's content among all contents, sorted. *first_of (free it): a row for each. */
+/* number_of[i]: the place of row i's content among all contents, sorted. *first_of (free it): a row for each.
+ */
 static gw_code number_rows(const uint32_t *words, uint32_t count, size_t width, uint32_t *number_of,
                            uint32_t **first_of, uint32_t *unique, gw_error *error) {
     rows self = {words, width};
@@ -83,10 +84,10 @@ static gw_code number_motions(const uint32_t *words, const uint32_t *first_of, g
     gw_code code = gw_allocate((void **)&motion->motion_of, motion->content_count, sizeof *motion->motion_of,
                                "motions of vertices", error);
     for (uint32_t i = 1; code == GW_OK && i < motion->content_count; i++)
-        motion->motion_of[i] = motion->motion_of[i - 1] +
-                               (memcmp(words + (size_t)first_of[i] * CONTENT_WORDS,
-                                       words + (size_t)first_of[i - 1] * CONTENT_WORDS,
-                                       MOTION_WORDS * sizeof *words) != 0);
+        motion->motion_of[i] =
+            motion->motion_of[i - 1] +
+            (memcmp(words + (size_t)first_of[i] * CONTENT_WORDS,
+                    words + (size_t)first_of[i - 1] * CONTENT_WORDS, MOTION_WORDS * sizeof *words) != 0);
     return code;
 }
 
@@ -162,7 +163,8 @@ gw_code gw_scene_motion_measure(const gw_scene *scene, const uint32_t *used, gw_
     const gw_animation *animation = scene->animation;
     double *world = NULL;
     gw_pose pose;
-    int looks = scene->vertex_count > 0 ? LOOKED_VERTICES / (int)fmin(scene->vertex_count, LOOKED_VERTICES) : 0;
+    int looks =
+        scene->vertex_count > 0 ? LOOKED_VERTICES / (int)fmin(scene->vertex_count, LOOKED_VERTICES) : 0;
     looks = looks < LEAST_LOOKS ? LEAST_LOOKS : looks > MOST_LOOKS ? MOST_LOOKS : looks;
     gw_code code = gw_pose_init(animation, &pose, error);
     if (code == GW_OK)

@@ -1,5 +1,5 @@
-/* The part of gw_scene_finish that knows of animation: where the scene reaches over time, which vertices are the
- * same at any time, and the animation in the order of the finished vertices. One thread. */
+/* The part of gw_scene_finish that knows of animation: where the scene reaches over time, which vertices are
+ * the same at any time, and the animation in the order of the finished vertices. One thread. */
 #ifndef GW_BUILD_SCENE_MOTION_H
 #define GW_BUILD_SCENE_MOTION_H
 
@@ -14,8 +14,8 @@ typedef struct gw_scene_motion {
     uint32_t content_count;
 } gw_scene_motion;
 
-/* Takes the pose at time 0 as the scene's positions (motion->world) and normals (scene->normals), measures and
- * numbers. Only for a scene with animation. */
+/* Takes the pose at time 0 as the scene's positions (motion->world) and normals (scene->normals), measures
+ * and numbers. Only for a scene with animation. */
 gw_code gw_scene_motion_init(gw_scene *scene, gw_scene_motion *motion, gw_error *error);
 void gw_scene_motion_finish(gw_scene_motion *motion);
 

@@ -1,5 +1,5 @@
-/* A finished scene at a time: the same triangles, materials and welded vertices with the positions and normals
- * of a pose. One thread at a time. */
+/* A finished scene at a time: the same triangles, materials and welded vertices with the positions and
+ * normals of a pose. One thread at a time. */
 #ifndef GW_BUILD_SCENE_POSE_H
 #define GW_BUILD_SCENE_POSE_H
 
@@ -14,9 +14,9 @@ typedef struct gw_posed gw_posed;
 gw_code gw_posed_create(const gw_scene *scene, gw_posed **out, gw_error *error);
 void gw_posed_destroy(gw_posed **posed);
 
-/* Puts the scene into its pose at a time (ns; clips are looped). Allocates nothing. The same time gives the same
- * bits on every machine, and time 0 those of the finished scene. Vertices that leave [-1,1]^3, between the times
- * at which the importer measured the animation, are held at its border and counted. */
+/* Puts the scene into its pose at a time (ns; clips are looped). Allocates nothing. The same time gives the
+ * same bits on every machine, and time 0 those of the finished scene. Vertices that leave [-1,1]^3, between
+ * the times at which the importer measured the animation, are held at its border and counted. */
 void gw_posed_move(gw_posed *posed, int64_t time);
 
 /* What stands at that time; valid until the next move. Its hash is that of the scene, at any time. */

@@ -43,7 +43,7 @@ typedef struct gw_source_model {
     uint32_t source_count;
     gw_texture_source *sources;
     gw_material_source *material_sources; /* [scene->material_count] */
-    uint32_t span_count; /* 0 unless the file has animations or skins */
+    uint32_t span_count;                  /* 0 unless the file has animations or skins */
     gw_vertex_span *spans;
     int32_t wants_normals; /* 1: a scan or bare mesh without shading normals: make smooth ones */
 } gw_source_model;

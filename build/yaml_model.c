@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const model_keys[] = {"file",   "up",        "unit",   "matrix",
+static const char *const model_keys[] = {"file",   "up",        "unit",  "matrix",
                                          "rotate", "translate", "scale", "animation"};
 
 typedef struct transform {
@@ -189,7 +189,8 @@ static gw_code load_file(const gw_yaml_node *node, const char *name, const char 
     if (animation && !own.animation) {
         own.animation = gw_yaml_text(animation);
         if (!own.animation)
-            return gw_yaml_fail(animation, error, "key 'animation': a name, a number, all or none is expected");
+            return gw_yaml_fail(animation, error,
+                                "key 'animation': a name, a number, all or none is expected");
     }
     char *folder = gw_path_folder(path);
     char *file = folder ? gw_path_join(folder, name) : NULL;

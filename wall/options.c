@@ -229,7 +229,8 @@ static const struct argp_option draw_options[] = {
     {"time", KEY_TIME, "SECONDS", 0,
      "0 to 1e6, default 0: where on the track's and the animation's clock the first frame stands", 10},
     {"animation", KEY_ANIMATION, "NAME", 0,
-     "the animation of a glTF file that plays, looped: its name, its number from 0, all, or none; default: the "
+     "the animation of a glTF file that plays, looped: its name, its number from 0, all, or none; default: "
+     "the "
      "first",
      10},
     {"debug", KEY_DEBUG, "VIEW", 0,

@@ -3,7 +3,10 @@
 #ifndef GW_TESTS_FUZZ_IMPORT_ENTRY_H
 #define GW_TESTS_FUZZ_IMPORT_ENTRY_H
 
+#include "build/animation.h"
 #include "build/gltf.h"
+#include "build/gltf_animation.h"
+#include "build/gltf_data.h"
 #include "build/import_stream.h"
 #include "build/scene.h"
 
@@ -40,6 +43,57 @@ static inline void fuzz_model_stream(const uint8_t *data, size_t size) {
     gw_source_model_destroy(&model);
 }
 
+/* What an import child would tell: the first primitive of the first nodes that have a mesh. */
+static inline void import_make_spans(const gw_gltf *gltf, gw_source_model *model) {
+    enum { SPANS = 8, VERTICES = 4096 };
+    const json_t *nodes = json_object_get(gltf->root, "nodes"),
+                 *meshes = json_object_get(gltf->root, "meshes");
+    model->spans = calloc(SPANS, sizeof *model->spans);
+    model->world = calloc(SPANS * VERTICES, 3 * sizeof *model->world);
+    import_require(model->spans && model->world);
+    for (size_t i = 0; i < json_array_size(nodes) && model->span_count < SPANS; i++) {
+        const json_t *mesh = json_object_get(json_array_get(nodes, i), "mesh");
+        const json_t *primitive = json_array_get(
+            json_object_get(json_array_get(meshes, (size_t)json_integer_value(mesh)), "primitives"), 0);
+        const json_t *positions = json_object_get(json_object_get(primitive, "attributes"), "POSITION");
+        const size_t count = gw_gltf_count(gltf, (size_t)json_integer_value(positions));
+        if (!mesh || !positions || count > VERTICES)
+            continue;
+        model->spans[model->span_count++] = (gw_vertex_span){.node = (uint32_t)i,
+                                                             .mesh = (uint32_t)json_integer_value(mesh),
+                                                             .first = model->scene->vertex_count,
+                                                             .count = (uint32_t)count};
+        model->scene->vertex_count += (uint32_t)count;
+    }
+}
+
+/* Whatever moves is refused with a sentence or has a pose at any time. */
+static inline void fuzz_animation(const gw_gltf *gltf) {
+    static const int64_t times[] = {0, 1, 1234567890, INT64_MAX, INT64_MIN};
+    gw_error error = {0};
+    gw_source_model *model = NULL;
+    import_require(gw_source_model_create(&model, &error) == GW_OK);
+    import_make_spans(gltf, model);
+    const gw_code code = gw_gltf_animate(gltf, NULL, "all", model, &error);
+    import_require(code == GW_OK || error.text[0] != '\0');
+    const gw_animation *animation = model->scene->animation;
+    if (animation) {
+        gw_pose pose;
+        double *positions = calloc(animation->vertex_count + 1, 3 * sizeof *positions);
+        float *normals = calloc(animation->vertex_count + 1, 3 * sizeof *normals);
+        import_require(positions && normals && gw_animation_check(animation, &error) == GW_OK);
+        import_require(gw_pose_init(animation, &pose, &error) == GW_OK);
+        for (size_t i = 0; i < sizeof times / sizeof *times; i++) {
+            gw_pose_at_time(animation, times[i], &pose);
+            gw_pose_vertices(animation, &pose, positions, normals);
+        }
+        gw_pose_finish(&pose);
+        free(positions);
+        free(normals);
+    }
+    gw_source_model_destroy(&model);
+}
+
 static inline void fuzz_gltf(const uint8_t *data, size_t size) {
     gw_error error = {0};
     gw_gltf gltf;
@@ -61,6 +115,7 @@ static inline void fuzz_gltf(const uint8_t *data, size_t size) {
     }
     gw_bytes_finish(&marked);
     gw_source_model_destroy(&model);
+    fuzz_animation(&gltf);
     gw_gltf_close(&gltf);
 }
 

@@ -1,7 +1,7 @@
-/* Writes configs/scenes/moving.gltf anew: make_moving_scene FILE. A scene of 4 s in which everything happens that
- * can move: a box on a cubic path that turns, a tube that three joints bend, a bead that is a point at time 0 and
- * jumps to its size, a smaller box that rides on the first, and a floor that stays. All numbers are made by
- * formula. */
+/* Writes configs/scenes/moving.gltf anew: make_moving_scene FILE. A scene of 4 s in which everything happens
+ * that can move: a box on a cubic path that turns, a tube that three joints bend, a bead that is a point at
+ * time 0 and jumps to its size, a smaller box that rides on the first, and a floor that stays. All numbers
+ * are made by formula. */
 #include "base/file.h"
 #include "base/portable_math.h"
 
@@ -100,8 +100,8 @@ static int add_floor(buffer *to) {
     return first;
 }
 
-/* A tube of height 2 along y with joints at heights 0, 2/3 and 4/3; weights go from joint to joint over a third
- * of a section. Joints and weights follow the indices. */
+/* A tube of height 2 along y with joints at heights 0, 2/3 and 4/3; weights go from joint to joint over a
+ * third of a section. Joints and weights follow the indices. */
 static int add_tube(buffer *to) {
     static float positions[RINGS * AROUND][3], normals[RINGS * AROUND][3], weights[RINGS * AROUND][4];
     static uint8_t joints[RINGS * AROUND][4];
@@ -213,13 +213,13 @@ static void put_base64(FILE *file, const buffer *from) {
 static void put_buffer(FILE *file, const buffer *from) {
     fprintf(file, "\"accessors\": [\n");
     for (int i = 0; i < from->part_count; i++)
-        fprintf(file, "  {\"bufferView\": %d, \"componentType\": %d, \"count\": %zu, \"type\": \"%s\"%s}%s\n", i,
-                from->parts[i].component, from->parts[i].count, from->parts[i].type, from->parts[i].bounds,
+        fprintf(file, "  {\"bufferView\": %d, \"componentType\": %d, \"count\": %zu, \"type\": \"%s\"%s}%s\n",
+                i, from->parts[i].component, from->parts[i].count, from->parts[i].type, from->parts[i].bounds,
                 i + 1 < from->part_count ? "," : "");
     fprintf(file, "],\n\"bufferViews\": [\n");
     for (int i = 0; i < from->part_count; i++)
-        fprintf(file, "  {\"buffer\": 0, \"byteOffset\": %zu, \"byteLength\": %zu}%s\n", from->parts[i].offset,
-                from->parts[i].size, i + 1 < from->part_count ? "," : "");
+        fprintf(file, "  {\"buffer\": 0, \"byteOffset\": %zu, \"byteLength\": %zu}%s\n",
+                from->parts[i].offset, from->parts[i].size, i + 1 < from->part_count ? "," : "");
     fprintf(file, "],\n\"buffers\": [{\"byteLength\": %zu, \"uri\": \"data:application/octet-stream;base64,",
             from->size);
     put_base64(file, from);
@@ -260,8 +260,8 @@ static const char nodes[] =
     "],\n";
 
 static void put_channel(FILE *file, int sampler, int node, const char *path, const char *end) {
-    fprintf(file, "    {\"sampler\": %d, \"target\": {\"node\": %d, \"path\": \"%s\"}}%s\n", sampler, node, path,
-            end);
+    fprintf(file, "    {\"sampler\": %d, \"target\": {\"node\": %d, \"path\": \"%s\"}}%s\n", sampler, node,
+            path, end);
 }
 
 static void put_sampler(FILE *file, int times, int values, const char *curve, const char *end) {

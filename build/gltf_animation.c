@@ -166,7 +166,7 @@ static gw_code read_sampler(gw_gltf_motion *motion, const json_t *sampler, gw_mo
                             gw_error *error) {
     const size_t accessors = json_array_size(list(motion, "accessors"));
     const size_t width = channel->path == GW_MOVE_ROTATION ? 4 : 3;
-    int64_t input, output;
+    int64_t input = -1, output = -1;
     float *times = NULL, *values = NULL;
     size_t keys = 0, value_count = 0;
     gw_code code = gw_gltf_index(sampler, "input", accessors, &input, error);
@@ -197,7 +197,7 @@ static gw_code read_channel(gw_gltf_motion *motion, const json_t *animation, con
                  *samplers = json_object_get(animation, "samplers");
     const char *path = json_string_value(json_object_get(target, "path"));
     gw_motion_channel channel = {.clip = motion->animation->clip_count, .path = 3};
-    int64_t node, sampler;
+    int64_t node = -1, sampler = -1;
     gw_code code = gw_gltf_index(target, "node", motion->node_count, &node, error);
     if (code == GW_OK)
         code = gw_gltf_index(source, "sampler", json_array_size(samplers), &sampler, error);

@@ -204,7 +204,7 @@ static void read_row(const reading *job, const uint8_t *from, uint32_t *to) {
 static gw_code read_sparse(gw_gltf_data *data, const json_t *sparse, const reading *job, gw_error *error) {
     const json_t *indices = json_object_get(sparse, "indices");
     const size_t count = size_of(sparse, "count", 0), kind = size_of(indices, "componentType", 0);
-    rows index_rows, value_rows;
+    rows index_rows = {0}, value_rows = {0};
     if (kind != UNSIGNED_BYTE && kind != UNSIGNED_SHORT && kind != UNSIGNED_INT)
         return gw_fail(error, GW_BAD_INPUT, "glTF accessor %zu: its sparse indices have type %zu",
                        job->accessor, kind);
@@ -247,7 +247,7 @@ static gw_code check_type(const json_t *accessor, reading *job, gw_error *error)
 static gw_code read_words(gw_gltf_data *data, reading *job, gw_error *error) {
     const json_t *accessor = entry(data->gltf, "accessors", job->accessor);
     const json_t *sparse = json_object_get(accessor, "sparse");
-    rows from;
+    rows from = {0};
     gw_code code = check_type(accessor, job, error);
     if (code == GW_OK)
         code = find_rows(data, accessor, job->count, bytes_of(job->kind) * job->components, job->what, &from,

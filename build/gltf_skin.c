@@ -63,7 +63,7 @@ static gw_code read_skin(binder *self, size_t index, gw_error *error) {
     const size_t count = json_array_size(joints);
     float *matrices = NULL;
     size_t matrix_count = 0;
-    int64_t accessor;
+    int64_t accessor = -1;
     gw_code code = gw_gltf_index(skin, "inverseBindMatrices", list_size(self, "accessors"), &accessor, error);
     if (code == GW_OK && accessor >= 0)
         code = gw_gltf_numbers(&self->motion->data, (size_t)accessor, 16, "inverse bind matrices", &matrices,
@@ -118,7 +118,7 @@ static gw_code bind_to_skin(binder *self, const span_data *part, gw_error *error
     const size_t skin = (size_t)part->skin;
     const size_t accessors = list_size(self, "accessors");
     const size_t joint_limit = json_array_size(json_object_get(entry(self, "skins", skin), "joints"));
-    int64_t joints_at, weights_at;
+    int64_t joints_at = -1, weights_at = -1;
     uint32_t *joints = NULL;
     float *weights = NULL;
     size_t joint_rows = 0, weight_rows = 0;
@@ -177,7 +177,7 @@ static gw_code read_shape(binder *self, const span_data *part, gw_error *error) 
     gw_animation *a = self->motion->animation;
     const gw_vertex_span *span = part->span;
     const size_t accessors = list_size(self, "accessors");
-    int64_t positions_at, normals_at;
+    int64_t positions_at = -1, normals_at = -1;
     float *positions = NULL, *normals = NULL;
     size_t position_count = 0, normal_count = 0;
     gw_code code = gw_gltf_index(part->attributes, "POSITION", accessors, &positions_at, error);

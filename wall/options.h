@@ -14,12 +14,12 @@
 
 /* The options common to all drawing verbs. Texts point into argv. */
 typedef struct gw_draw_options {
-    gw_error *error;     /* where the parser leaves its sentence; set before parsing */
-    const char *scene;   /* NULL: the embedded demo scene */
+    gw_error *error;       /* where the parser leaves its sentence; set before parsing */
+    const char *scene;     /* NULL: the embedded demo scene */
     const char *animation; /* of the scene's models: a name, a number, "all", "none"; NULL: the first */
-    const char *report;  /* file for the JSON report, or NULL */
-    const char *shaders; /* folder of shaders instead of the embedded ones, or NULL */
-    const char *cache;   /* folder where octrees are kept from run to run, or NULL */
+    const char *report;    /* file for the JSON report, or NULL */
+    const char *shaders;   /* folder of shaders instead of the embedded ones, or NULL */
+    const char *cache;     /* folder where octrees are kept from run to run, or NULL */
     gw_settings settings;
     uint32_t seed;
     double time; /* s */

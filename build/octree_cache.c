@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const suffixes[] = {".gwo", NULL};
+static const char *const suffixes[] = {".gwo", ".gwb", NULL}; /* .gwb: blocks that other machines keep */
 
 gw_hash gw_octree_cache_key(const gw_scene *scene, const gw_settings *settings) {
     const uint32_t version = GW_OCTREE_BLOCK_VERSION;

@@ -23,6 +23,8 @@ trap 'exit 143' TERM
 GAZEWALL=$(cd "$tree" && pwd)/gazewall
 export GAZEWALL
 export CMOCKA_MESSAGE_OUTPUT=tap
+# Octrees that the tests keep are theirs alone.
+export XDG_CACHE_HOME=$scratch/cache
 # The packaged GL and MPI libraries leak at exit; leaks of our own are looked for in the tests that use neither.
 export UBSAN_OPTIONS="${UBSAN_OPTIONS:-print_stacktrace=1:halt_on_error=1}"
 

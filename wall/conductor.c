@@ -128,6 +128,7 @@ gw_code gw_conductor_describe(gw_conductor *conductor, const struct gw_rank *ran
     gw_report_device(conductor->report, limits);
     gw_report_scene(conductor->report, scene, model->import_ms);
     gw_report_octree(conductor->report, octree, scene, limits, model->build_ms, model->from_cache);
+    gw_report_builders(conductor->report, &rank->together);
     conductor->scene_line = make_text("%s: %" PRIu32 " triangles (%" PRIu64 " dropped), %" PRIu32
                                       " materials, %" PRIu32 " textures",
                                       scene->path, scene->triangle_count, gw_dropped_total(&scene->dropped),

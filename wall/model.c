@@ -10,8 +10,6 @@
 #include <stddef.h>
 #include <stdlib.h>
 
-static const uint64_t cache_limit = UINT64_C(4) << 30;
-
 gw_code gw_model_open_device(gw_model *model, const gw_draw_options *options, const gw_log *log,
                              gw_error *error) {
     gw_gl_options device = {.shader_folder = options->shaders, .log = log};
@@ -33,51 +31,64 @@ gw_code gw_model_import(gw_model *model, const gw_draw_options *options, const g
     return code;
 }
 
-static gw_code build(gw_model *model, const gw_draw_options *options, const gw_log *log, gw_error *error) {
-    int64_t begin = gw_now_ns();
-    gw_octree_options how = {.settings = &options->settings, .log = log};
-    gw_code code = gw_octree_build(model->device, model->scene, &how, &model->octree, error);
-    model->build_ms = (double)(gw_now_ns() - begin) * 1e-6;
-    if (!code)
-        gw_log_write(log, GW_LOG_INFO, "octree: depth %" PRIu32 ", %" PRIu32 " nodes, built in %.1f s",
-                     model->octree->depth, model->octree->node_count, model->build_ms * 1e-3);
-    return code;
+/* Where the model's octree is kept, and under which key; free() it. NULL when nothing is kept. */
+static char *cache_path(const gw_model *model, const gw_draw_options *options, gw_hash *key) {
+    char *folder = gw_cache_folder(options);
+    if (!folder)
+        return NULL;
+    *key = gw_octree_cache_key(model->scene, &options->settings);
+    char *path = gw_octree_cache_path(folder, *key);
+    free(folder);
+    return path;
 }
 
-/* 1 when the octree came from the cache. */
-static int read_cache(gw_model *model, const char *path, gw_hash key, const gw_log *log) {
+int gw_model_find(gw_model *model, const gw_draw_options *options, const gw_log *log) {
+    gw_hash key;
     gw_error refused = {0};
-    if (!gw_file_exists(path))
-        return 0;
+    char *path = cache_path(model, options, &key);
     int64_t begin = gw_now_ns();
-    if (gw_octree_cache_load(path, key, model->scene, &model->octree, &refused)) {
-        gw_log_write(log, GW_LOG_WARNING, "%s; the octree is built again", refused.text);
-        return 0;
+    if (path && gw_file_exists(path)) {
+        if (gw_octree_cache_load(path, key, model->scene, &model->octree, &refused))
+            gw_log_write(log, GW_LOG_WARNING, "%s; the octree is built again", refused.text);
+        else
+            model->from_cache = 1;
     }
-    model->from_cache = 1;
+    if (model->from_cache) {
+        model->build_ms = (double)(gw_now_ns() - begin) * 1e-6;
+        gw_log_write(log, GW_LOG_INFO, "octree: depth %" PRIu32 ", %" PRIu32 " nodes, read from %s in %.1f s",
+                     model->octree->depth, model->octree->node_count, path, model->build_ms * 1e-3);
+    }
+    free(path);
+    return model->from_cache;
+}
+
+void gw_model_keep(gw_model *model, const gw_draw_options *options, gw_octree *octree, int64_t begin,
+                   const gw_log *log) {
+    gw_hash key;
+    gw_error unwritten = {0};
+    model->octree = octree;
     model->build_ms = (double)(gw_now_ns() - begin) * 1e-6;
-    gw_log_write(log, GW_LOG_INFO, "octree: depth %" PRIu32 ", %" PRIu32 " nodes, read from %s in %.1f s",
-                 model->octree->depth, model->octree->node_count, path, model->build_ms * 1e-3);
-    return 1;
+    gw_log_write(log, GW_LOG_INFO, "octree: depth %" PRIu32 ", %" PRIu32 " nodes, built in %.1f s",
+                 octree->depth, octree->node_count, model->build_ms * 1e-3);
+    char *path = cache_path(model, options, &key);
+    if (!path)
+        return;
+    gw_interrupt_hold();
+    if (gw_octree_cache_store(path, key, octree, options->cache_limit, &unwritten))
+        gw_log_write(log, GW_LOG_WARNING, "the octree is not kept: %s", unwritten.text);
+    gw_interrupt_release();
+    free(path);
 }
 
 gw_code gw_model_build(gw_model *model, const gw_draw_options *options, const gw_log *log, gw_error *error) {
-    if (!options->cache)
-        return build(model, options, log, error);
-    gw_hash key = gw_octree_cache_key(model->scene, &options->settings);
-    char *path = gw_octree_cache_path(options->cache, key);
-    if (!path)
-        return gw_fail(error, GW_MACHINE, "memory is out while naming a cache file");
-    gw_code code = GW_OK;
-    if (!read_cache(model, path, key, log)) {
-        code = build(model, options, log, error);
-        gw_error unwritten = {0};
-        gw_interrupt_hold();
-        if (!code && gw_octree_cache_store(path, key, model->octree, cache_limit, &unwritten))
-            gw_log_write(log, GW_LOG_WARNING, "the octree is not kept: %s", unwritten.text);
-        gw_interrupt_release();
-    }
-    free(path);
+    if (gw_model_find(model, options, log))
+        return GW_OK;
+    int64_t begin = gw_now_ns();
+    gw_octree *octree = NULL;
+    gw_octree_options how = {.settings = &options->settings, .log = log};
+    gw_code code = gw_octree_build(model->device, model->scene, &how, &octree, error);
+    if (!code)
+        gw_model_keep(model, options, octree, begin, log);
     return code;
 }
 

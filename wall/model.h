@@ -23,8 +23,14 @@ gw_code gw_model_open_device(gw_model *model, const gw_draw_options *options, co
                              gw_error *error);
 /* Imports the scene only: needs no device. */
 gw_code gw_model_import(gw_model *model, const gw_draw_options *options, const gw_log *log, gw_error *error);
-/* Builds the octree of the imported scene on the open device, or reads it from the cache if there is one. A
- * cache that cannot be read or written is a warning: the octree is built all the same. */
+/* Reads the octree of the imported scene from the cache, if it is there; needs no device. A file that is
+ * refused is a warning. Returns 1 when it was read. */
+int gw_model_find(gw_model *model, const gw_draw_options *options, const gw_log *log);
+/* Takes over an octree that was built since begin (gw_now_ns clock) and keeps it in the cache, if there is
+ * one; a cache that cannot be written is a warning. */
+void gw_model_keep(gw_model *model, const gw_draw_options *options, gw_octree *octree, int64_t begin,
+                   const gw_log *log);
+/* Finds the octree of the imported scene, or builds it on the open device and keeps it. */
 gw_code gw_model_build(gw_model *model, const gw_draw_options *options, const gw_log *log, gw_error *error);
 /* Import first, because a wrong path is the commonest mistake and should be told at once; then device and
  * octree. */

@@ -1,5 +1,7 @@
 #include "wall/options.h"
 
+#include "base/file.h"
+#include "base/memory.h"
 #include "base/suggest.h"
 
 #include <ctype.h>
@@ -209,6 +211,7 @@ enum {
     KEY_SHADERS,
     KEY_COUNT,
     KEY_CACHE,
+    KEY_CACHE_LIMIT,
     KEY_QUIET,
     KEY_LOG
 };
@@ -236,7 +239,12 @@ static const struct argp_option draw_options[] = {
     {"debug", KEY_DEBUG, "VIEW", 0,
      "levels (red: triangles, green to blue: voxel levels), steps, normals, gaze, or none; default none", 10},
     {"cache", KEY_CACHE, "FOLDER", 0,
-     "keep built octrees there, at most 4 GiB, and read them back in later runs; default: none is kept", 10},
+     "keep built octrees there and read them back in later runs, or 'none'; default: sim and render keep "
+     "them "
+     "in $XDG_CACHE_HOME/gazewall (~/.cache/gazewall), the others nowhere",
+     10},
+    {"cache-limit", KEY_CACHE_LIMIT, "MIB", 0,
+     "1 to 1048576, default 4096: what the cache folder may hold; the least recently used goes first", 10},
     {NULL, 0, NULL, 0, "What is told:", 11},
     {"report", KEY_REPORT, "FILE", 0, "write the report there, as JSON", 11},
     {"count", KEY_COUNT, NULL, 0,
@@ -305,8 +313,14 @@ static error_t parse_draw(int key, char *argument, struct argp_state *state) {
     case KEY_SHADERS:
         options->shaders = argument;
         break;
+    case KEY_CACHE_LIMIT:
+        code = gw_parse_integer("--cache-limit", argument, 1, 1 << 20, &integer, error);
+        options->cache_limit = (uint64_t)integer << 20;
+        break;
     case KEY_CACHE:
         options->cache = argument;
+        if (!*argument)
+            code = gw_fail(error, GW_BAD_INPUT, "--cache has an empty name; give a folder, or 'none'");
         break;
     case KEY_COUNT:
         options->count = 1;
@@ -331,7 +345,19 @@ void gw_draw_options_init(gw_draw_options *options, gw_error *error) {
     memset(options, 0, sizeof *options);
     options->error = error;
     options->level = GW_LOG_INFO;
+    options->cache_limit = (uint64_t)4096 << 20;
     gw_settings_init(&options->settings);
+}
+
+char *gw_cache_folder(const gw_draw_options *options) {
+    if (options->cache)
+        return strcmp(options->cache, "none") ? gw_copy_text(options->cache) : NULL;
+    if (!options->keeps)
+        return NULL;
+    const char *base = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
+    if (base && base[0] == '/') /* the specification: relative ones are ignored */
+        return gw_path_join(base, "gazewall");
+    return home && home[0] == '/' ? gw_path_join(home, ".cache/gazewall") : NULL;
 }
 
 gw_code gw_stray_argument(const char *argument, gw_error *error) {

@@ -19,7 +19,9 @@ typedef struct gw_draw_options {
     const char *animation; /* of the scene's models: a name, a number, "all", "none"; NULL: the first */
     const char *report;    /* file for the JSON report, or NULL */
     const char *shaders;   /* folder of shaders instead of the embedded ones, or NULL */
-    const char *cache;     /* folder where octrees are kept from run to run, or NULL */
+    const char *cache;     /* folder where octrees are kept from run to run; "none"; NULL: not said */
+    uint64_t cache_limit;  /* bytes that the folder may hold */
+    int keeps;             /* the verb keeps octrees unless told otherwise */
     gw_settings settings;
     uint32_t seed;
     double time; /* s */
@@ -51,6 +53,10 @@ gw_code gw_parse_number(const char *name, const char *text, double minimum, doub
                         gw_error *error);
 gw_code gw_parse_integer(const char *name, const char *text, int64_t minimum, int64_t maximum, int64_t *out,
                          gw_error *error);
+
+/* The folder that a drawing verb keeps octrees in: what was asked for, else gazewall/ in the user's cache
+ * folder (XDG base directories); free() it. NULL: nothing is kept. */
+char *gw_cache_folder(const gw_draw_options *options);
 
 /* The mistake of a word that belongs to no option. */
 gw_code gw_stray_argument(const char *argument, gw_error *error);

@@ -84,25 +84,49 @@ static gw_code spread_layout(gw_rank *rank, gw_error *error) {
     return code;
 }
 
-/* Rank 0 imports and builds; then every rank maps the one copy of its machine. */
+/* Rank 0 reads its cache; what is not there is built by the ranks that it chooses. */
+static gw_code build(gw_rank *rank, gw_error *error) {
+    gw_model *model = &rank->model;
+    const gw_draw_options *draw = &rank->options.draw;
+    const gw_together_options options = {.settings = &draw->settings,
+                                         .log = &rank->line.log,
+                                         .builders = rank->options.builders,
+                                         .machine = rank->share.leader,
+                                         .deadline = rank->load_deadline,
+                                         .fault = rank->options.fault,
+                                         .fault_rank = rank->options.fault_rank};
+    gw_octree *octree = NULL;
+    int64_t begin = gw_now_ns();
+    int needed = rank->number == 0 && !gw_model_find(model, draw, &rank->line.log);
+    gw_code code = gw_build_together(model->device, &rank->share.scene.scene, &options, needed, &octree,
+                                     &rank->together, error);
+    if (!code && octree)
+        gw_model_keep(model, draw, octree, begin, &rank->line.log);
+    return code;
+}
+
+/* Rank 0 imports, all build; every rank maps the one copy of its machine. */
 static gw_code load(gw_rank *rank, gw_conductor *conductor, gw_error *error) {
     gw_model *model = &rank->model;
     const gw_draw_options *draw = &rank->options.draw;
-    gw_code code = GW_OK;
-    if (rank->number == 0)
-        code = gw_model_import(model, draw, &rank->line.log, error);
+    char *cache = gw_cache_folder(draw);
+    const gw_share_options options = {.deadline = rank->load_deadline,
+                                      .cache = cache,
+                                      .cache_limit = draw->cache_limit,
+                                      .log = &rank->line.log};
+    gw_code code = rank->number == 0 ? gw_model_import(model, draw, &rank->line.log, error) : GW_OK;
     if (!code)
-        code = gw_share_scene(&rank->share, model->scene, rank->load_deadline, error);
+        code = gw_share_scene(&rank->share, model->scene, &options, error);
     if (!code)
         code = gw_model_open_device(model, draw, &rank->line.log, error);
-    if (!code && rank->number == 0) {
-        code = gw_model_build(model, draw, &rank->line.log, error);
-        if (!code)
-            code = gw_conductor_describe(conductor, rank, error);
-    }
     if (!code)
-        code = gw_share_octree(&rank->share, model->octree, rank->load_deadline, error);
+        code = build(rank, error);
+    if (!code && rank->number == 0)
+        code = gw_conductor_describe(conductor, rank, error);
+    if (!code)
+        code = gw_share_octree(&rank->share, model->octree, &options, error);
     gw_model_drop(model);
+    free(cache);
     return code;
 }
 

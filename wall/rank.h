@@ -5,6 +5,7 @@
 
 #include "base/status.h"
 #include "render/renderer.h"
+#include "wall/build_together.h"
 #include "wall/gate.h"
 #include "wall/layout.h"
 #include "wall/link.h"
@@ -20,6 +21,7 @@ typedef struct gw_rank {
     gw_link line;   /* to the launcher */
     gw_model model; /* rank 0: scene and octree until they are shared */
     gw_share share;
+    gw_together together; /* rank 0: who built the octree */
     gw_renderer *renderer;
     gw_similarity placement;
     int number;            /* rank, and index of its tile */

@@ -165,6 +165,17 @@ void gw_report_octree(json_t *report, const gw_octree *octree, const gw_scene *s
                                   text_or_null(limits->version)));
 }
 
+void gw_report_builders(json_t *report, const gw_together *who) {
+    json_t *build = json_object_get(report, "build"), *parts = json_array();
+    for (uint32_t i = 0; i < who->part_count; i++)
+        json_array_append_new(parts, json_pack("{s:i, s:o}", "rank", who->ranks[i], "overlap_tests",
+                                               count(who->overlap_tests[i])));
+    if (who->part_count > 1)
+        json_object_set_new(build, "partition", json_sprintf("%" PRIu32 " parts", who->part_count));
+    json_object_set_new(build, "split_level", count(who->split_level));
+    json_object_set_new(build, "parts", parts);
+}
+
 void gw_report_settings(json_t *report, const gw_settings *settings) {
     json_t *object = json_object();
     for (size_t i = 0; i < gw_setting_count; i++) {

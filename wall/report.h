@@ -12,6 +12,7 @@
 #include "build/scene.h"
 #include "render/renderer.h"
 #include "tracking/track.h"
+#include "wall/build_together.h"
 #include "wall/layout.h"
 
 #include <jansson.h>
@@ -26,6 +27,8 @@ gw_code gw_report_floats(json_t *report, gw_gl *device, gw_error *error);
 void gw_report_scene(json_t *report, const gw_scene *scene, double import_ms);
 void gw_report_octree(json_t *report, const gw_octree *octree, const gw_scene *scene,
                       const gw_gl_limits *limits, double build_ms, int from_cache);
+/* Which ranks built the octree, and how the work was divided; after gw_report_octree. */
+void gw_report_builders(json_t *report, const gw_together *who);
 void gw_report_settings(json_t *report, const gw_settings *settings);
 void gw_report_counters(json_t *report, const gw_counters *counters);
 void gw_report_track(json_t *report, const gw_track *track);

@@ -1,5 +1,8 @@
 #include "wall/share.h"
 
+#include "base/file.h"
+#include "base/hash.h"
+#include "base/sealed_file.h"
 #include "build/pack_octree.h"
 #include "wall/interrupt.h"
 #include "wall/mpi_wait.h"
@@ -60,7 +63,10 @@ gw_code gw_share_init(gw_share *share, int machines, gw_error *error) {
                      "finding the first rank of each machine", error);
     if (!code && share->is_leader)
         MPI_Comm_size(share->leaders, &share->machine_count);
-    return code;
+    MPI_Comm_rank(MPI_COMM_WORLD, &share->leader);
+    return code ? code
+                : gw_mpi_check(MPI_Bcast(&share->leader, 1, MPI_INT, 0, share->machine),
+                               "finding the first rank of this machine", error);
 }
 
 static gw_code spread_bytes(void *data, int size, MPI_Comm ranks, int64_t deadline, const char *what,
@@ -145,11 +151,60 @@ static void write_source(const source *from, void *block) {
         gw_pack_octree(from->octree, block);
 }
 
+/* --- what other machines keep
+ * ------------------------------------------------------------------------------------ */
+
+static const char *const kept_suffixes[] = {".gwo", ".gwb", NULL};
+
+/* folder/block-<key>.gwb; free() it. */
+static char *kept_path(const gw_share_options *options, gw_hash key) {
+    char text[33], name[64];
+    gw_hash_text(key, text);
+    snprintf(name, sizeof name, "block-%s.gwb", text);
+    return gw_path_join(options->cache, name);
+}
+
+/* Copies the block from this machine's cache; 1 when it is there and is what rank 0 has. */
+static int find_kept(const gw_segment *segment, gw_hash key, const gw_share_options *options) {
+    gw_sealed kept = {0};
+    gw_error refused = {0};
+    char *path = kept_path(options, key);
+    int found = 0;
+    if (path && gw_file_exists(path)) {
+        if (gw_sealed_read(path, key, &kept, &refused))
+            gw_log_write(options->log, GW_LOG_WARNING, "%s; it is sent again", refused.text);
+        else
+            found = kept.size == segment->size &&
+                    gw_hash_equal(gw_hash_bytes((gw_hash){0, 0}, kept.data, kept.size), key);
+    }
+    if (found)
+        memcpy(segment->block, kept.data, kept.size);
+    free(kept.data);
+    free(path);
+    return found;
+}
+
+static void keep(const gw_segment *segment, gw_hash key, const gw_share_options *options) {
+    gw_error unwritten = {0};
+    char *path = kept_path(options, key);
+    if (!path)
+        return;
+    gw_interrupt_hold();
+    if (gw_sealed_write(path, key, segment->block, segment->size, &unwritten))
+        gw_log_write(options->log, GW_LOG_WARNING, "what rank 0 sent is not kept: %s", unwritten.text);
+    else
+        gw_sealed_trim(path, kept_suffixes, options->cache_limit);
+    gw_interrupt_release();
+    free(path);
+}
+
+/* --- from rank 0 to every machine
+ * -------------------------------------------------------------------------------- */
+
 /* Leaders: the bytes go from rank 0 to the first rank of every other machine, in chunks. */
-static gw_code fill_segment(gw_share *share, gw_segment *segment, const source *from, const char *what,
-                            int64_t deadline, gw_error *error) {
-    write_source(from, segment->block);
-    for (size_t offset = 0; share->machine_count > 1 && offset < segment->size; offset += CHUNK_BYTES) {
+static gw_code send_block(gw_share *share, const gw_segment *segment, const char *what, int64_t deadline,
+                          gw_error *error) {
+    for (size_t offset = 0; offset < segment->size; offset += CHUNK_BYTES) {
         size_t left = segment->size - offset;
         gw_code code =
             spread_bytes((uint8_t *)segment->block + offset, left < CHUNK_BYTES ? (int)left : CHUNK_BYTES,
@@ -157,18 +212,52 @@ static gw_code fill_segment(gw_share *share, gw_segment *segment, const source *
         if (code)
             return code;
     }
-    if (mprotect(segment->block, segment->size, PROT_READ))
-        return gw_fail(error, GW_MACHINE, "the shared segment could not be made read-only: %s",
-                       strerror(errno));
     return GW_OK;
+}
+
+/* Several machines: nothing is sent when all have kept the block of an earlier run. */
+static gw_code send_if_needed(gw_share *share, const gw_segment *segment, const char *what,
+                              const gw_share_options *options, gw_error *error) {
+    int rank = 0, has = 1, all_have = 0;
+    gw_hash key = {0, 0};
+    MPI_Request request;
+    MPI_Comm_rank(share->leaders, &rank);
+    if (rank == 0)
+        key = gw_hash_bytes(key, segment->block, segment->size);
+    gw_code code = spread_bytes(&key, (int)sizeof key, share->leaders, options->deadline, what, error);
+    if (!code && rank > 0)
+        has = options->cache && find_kept(segment, key, options);
+    if (!code)
+        code = gw_mpi_check(MPI_Iallreduce(&has, &all_have, 1, MPI_INT, MPI_MIN, share->leaders, &request),
+                            what, error);
+    if (!code)
+        code = gw_mpi_wait(&request, options->deadline, what, error);
+    if (!code && all_have)
+        gw_log_write(options->log, GW_LOG_INFO, "%s: every machine has kept it", what);
+    if (code || all_have)
+        return code;
+    code = send_block(share, segment, what, options->deadline, error);
+    if (!code && rank > 0 && !has && options->cache)
+        keep(segment, key, options);
+    return code;
+}
+
+static gw_code fill_segment(gw_share *share, gw_segment *segment, const source *from, const char *what,
+                            const gw_share_options *options, gw_error *error) {
+    write_source(from, segment->block);
+    gw_code code = share->machine_count > 1 ? send_if_needed(share, segment, what, options, error) : GW_OK;
+    if (!code && mprotect(segment->block, segment->size, PROT_READ))
+        code =
+            gw_fail(error, GW_MACHINE, "the shared segment could not be made read-only: %s", strerror(errno));
+    return code;
 }
 
 /* One block from rank 0 to a segment of every machine. */
 static gw_code spread(gw_share *share, gw_segment *segment, const source *from, const char *what,
-                      int64_t deadline, gw_error *error) {
+                      const gw_share_options *options, gw_error *error) {
     uint64_t size = source_size(from);
     char name[NAME_BYTES] = "";
-    gw_code code = spread_bytes(&size, (int)sizeof size, MPI_COMM_WORLD, deadline, what, error);
+    gw_code code = spread_bytes(&size, (int)sizeof size, MPI_COMM_WORLD, options->deadline, what, error);
     if (code)
         return code;
     segment->size = (size_t)size;
@@ -176,36 +265,38 @@ static gw_code spread(gw_share *share, gw_segment *segment, const source *from, 
         gw_share_sweep();
         code = make_segment(segment, name, error);
         if (!code)
-            code = fill_segment(share, segment, from, what, deadline, error);
+            code = fill_segment(share, segment, from, what, options, error);
         if (code) { /* the others wait for a name that never comes: the launcher ends them */
             remove_segment(name);
             return code;
         }
     }
-    code = spread_bytes(name, NAME_BYTES, share->machine, deadline, what, error);
+    code = spread_bytes(name, NAME_BYTES, share->machine, options->deadline, what, error);
     if (!code && !share->is_leader)
         code = open_segment(segment, name, error);
     MPI_Request request;
     if (!code)
         code = gw_mpi_check(MPI_Ibarrier(share->machine, &request), what, error);
     if (!code)
-        code = gw_mpi_wait(&request, deadline, what, error);
+        code = gw_mpi_wait(&request, options->deadline, what, error);
     if (share->is_leader)
         remove_segment(name);
     return code;
 }
 
-gw_code gw_share_scene(gw_share *share, const gw_scene *scene, int64_t deadline, gw_error *error) {
+gw_code gw_share_scene(gw_share *share, const gw_scene *scene, const gw_share_options *options,
+                       gw_error *error) {
     gw_segment *segment = &share->scene_segment;
     const source from = {.scene = scene};
-    gw_code code = spread(share, segment, &from, "waiting for the scene", deadline, error);
+    gw_code code = spread(share, segment, &from, "waiting for the scene", options, error);
     return code ? code : gw_unpack_scene(segment->block, segment->size, &share->scene, error);
 }
 
-gw_code gw_share_octree(gw_share *share, const gw_octree *octree, int64_t deadline, gw_error *error) {
+gw_code gw_share_octree(gw_share *share, const gw_octree *octree, const gw_share_options *options,
+                        gw_error *error) {
     gw_segment *segment = &share->octree_segment;
     const source from = {.octree = octree};
-    gw_code code = spread(share, segment, &from, "waiting for the octree", deadline, error);
+    gw_code code = spread(share, segment, &from, "waiting for the octree", options, error);
     return code ? code : gw_unpack_octree(segment->block, segment->size, &share->octree, error);
 }
 

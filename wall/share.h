@@ -7,6 +7,7 @@
 #ifndef GW_WALL_SHARE_H
 #define GW_WALL_SHARE_H
 
+#include "base/log.h"
 #include "base/status.h"
 #include "build/octree.h"
 #include "build/pack_scene.h"
@@ -26,6 +27,7 @@ typedef struct gw_share {
     MPI_Comm machine; /* the ranks of this machine */
     MPI_Comm leaders; /* the first rank of each machine; MPI_COMM_NULL on the others */
     int is_leader;
+    int leader;        /* world rank of this machine's first rank */
     int machine_count; /* known to the leaders */
     gw_segment scene_segment, octree_segment;
     gw_unpacked_scene scene;
@@ -36,12 +38,22 @@ typedef struct gw_share {
  * pretends that the ranks stand on so many machines, to test on one what several do. */
 gw_code gw_share_init(gw_share *share, int machines, gw_error *error);
 
-/* Rank 0 gives the scene, the others NULL; on return share->scene holds it on every rank. Waits until
- * deadline (gw_now_ns clock). */
-gw_code gw_share_scene(gw_share *share, const gw_scene *scene, int64_t deadline, gw_error *error);
+/* How blocks travel. */
+typedef struct gw_share_options {
+    int64_t deadline;     /* gw_now_ns clock */
+    const char *cache;    /* folder in which machines other than rank 0's keep the blocks that they were sent,
+                             by content, so that the next run need not send them; or NULL */
+    uint64_t cache_limit; /* bytes */
+    const gw_log *log;
+} gw_share_options;
+
+/* Rank 0 gives the scene, the others NULL; on return share->scene holds it on every rank. */
+gw_code gw_share_scene(gw_share *share, const gw_scene *scene, const gw_share_options *options,
+                       gw_error *error);
 
 /* The same for the octree, in share->octree. */
-gw_code gw_share_octree(gw_share *share, const gw_octree *octree, int64_t deadline, gw_error *error);
+gw_code gw_share_octree(gw_share *share, const gw_octree *octree, const gw_share_options *options,
+                        gw_error *error);
 
 void gw_share_finish(gw_share *share);
 

@@ -83,6 +83,8 @@ enum {
     KEY_NO_GAZE,
     KEY_LOAD_DEADLINE,
     KEY_FRAME_DEADLINE,
+    KEY_BUILDERS,
+    KEY_BUILDER_FAULT,
     KEY_MACHINES,
     KEY_LINK
 };
@@ -120,6 +122,13 @@ static const struct argp_option sim_options[] = {
      "1 to 86400 s, default 600: all ranks must be ready by then", 12},
     {"frame-deadline", KEY_FRAME_DEADLINE, "SECONDS", 0,
      "0.1 to 3600 s: a tile silent for so long is lost; default: 20 median frames, at least 10 s", 12},
+    {NULL, 0, NULL, 0, "Who works:", 4},
+    {"builders", KEY_BUILDERS, "N", 0,
+     "1 to 64: ranks that build the octree together, each a part of its cells, or 'auto' (default): one of "
+     "every "
+     "machine; the octree's bytes are the same for any number",
+     4},
+    {"builder-fault", KEY_BUILDER_FAULT, "KIND:RANK", OPTION_HIDDEN, NULL, 0},
     {"machines", KEY_MACHINES, "N", OPTION_HIDDEN, NULL, 0},
     {"link", KEY_LINK, "NAME", OPTION_HIDDEN, NULL, 0},
     {0}};
@@ -146,6 +155,23 @@ static gw_code parse_wall(int key, const char *argument, gw_wall_options *wall, 
         wall->site = argument;
         return GW_OK;
     }
+}
+
+static gw_code parse_builders(int key, const char *argument, gw_sim_options *options, gw_error *error) {
+    int64_t integer = 0;
+    if (key == KEY_BUILDERS) {
+        gw_code code = strcmp(argument, "auto") ? gw_parse_integer("--builders", argument, 1,
+                                                                   GW_OCTREE_MAXIMUM_PARTS, &integer, error)
+                                                : GW_OK;
+        options->builders = (uint32_t)integer;
+        return code;
+    }
+    options->fault = strncmp(argument, "foreign:", 8) == 0 ? GW_BUILDER_FOREIGN : GW_BUILDER_FAILING;
+    const char *rank = strchr(argument, ':');
+    gw_code code =
+        gw_parse_integer("--builder-fault", rank ? rank + 1 : "", 0, GW_MAXIMUM_TILES, &integer, error);
+    options->fault_rank = (int)integer;
+    return code;
 }
 
 static gw_code parse_frames(int key, const char *argument, gw_sim_options *options, gw_error *error) {
@@ -197,6 +223,10 @@ static error_t parse_sim(int key, char *argument, struct argp_state *state) {
     case KEY_FRAME_DEADLINE:
         code = parse_frames(key, argument, options, error);
         break;
+    case KEY_BUILDERS:
+    case KEY_BUILDER_FAULT:
+        code = parse_builders(key, argument, options, error);
+        break;
     case KEY_NO_GAZE:
         options->gaze = GW_GAZE_NONE;
         break;
@@ -241,6 +271,7 @@ static const struct argp sim_argp = {
 gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *helped, gw_error *error) {
     memset(out, 0, sizeof *out);
     gw_draw_options_init(&out->draw, error);
+    out->draw.keeps = 1;
     gw_wall_options_init(&out->wall, 2, 2);
     out->step = -1;
     out->load_deadline = 600;

@@ -4,6 +4,7 @@
 #define GW_WALL_SIM_OPTIONS_H
 
 #include "base/status.h"
+#include "wall/build_together.h"
 #include "wall/layout.h"
 #include "wall/options.h"
 
@@ -38,6 +39,9 @@ typedef struct gw_sim_options {
     gw_gaze_choice gaze;
     double gaze_pixel[2];
     double load_deadline, frame_deadline; /* s; frame_deadline 0: from the frames measured so far */
+    uint32_t builders;                    /* ranks that build the octree together; 0: one of every machine */
+    gw_builder_fault fault;               /* hidden, for tests: what rank fault_rank pretends */
+    int fault_rank;
     int machines;     /* hidden, for tests: pretend that the ranks stand on so many machines */
     const char *link; /* hidden: the launcher's address, for ranks */
 } gw_sim_options;

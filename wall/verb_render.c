@@ -368,6 +368,7 @@ int gw_verb_render(int argc, char **argv) {
     gw_error error = {0};
     int helped = 0;
     gw_draw_options_init(&r.options.draw, &error);
+    r.options.draw.keeps = 1;
     gw_wall_options_init(&r.options.wall, 1, 1);
     r.options.fov = 45;
     r.options.frame = -1;

@@ -175,7 +175,7 @@ static void test_work_is_balanced(void **state) {
     gw_octree_division division;
     gw_octree_part parts[PARTS];
     gw_scene *scene = NULL;
-    uint64_t even[PARTS], slices[PARTS];
+    uint64_t even[PARTS] = {0}, slices[PARTS] = {0};
     (void)state;
     gw_mesh_add_sphere(&mesh, centre, 0.3, 0.1, 160, 80);
     gw_mesh_add_grid(&mesh, corner, u, v, 1, 1);

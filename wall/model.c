@@ -18,9 +18,8 @@ gw_code gw_model_open_device(gw_model *model, const gw_draw_options *options, co
 
 gw_code gw_model_import(gw_model *model, const gw_draw_options *options, const gw_log *log, gw_error *error) {
     int64_t begin = gw_now_ns();
-    gw_import_options import = {.outlier_extents = options->settings.outlier_extents,
-                                .animation = options->animation,
-                                .log = log};
+    gw_import_options import = {
+        .outlier_extents = options->settings.outlier_extents, .animation = options->animation, .log = log};
     gw_code code = gw_import(options->scene, &import, &model->scene, error);
     model->import_ms = (double)(gw_now_ns() - begin) * 1e-6;
     if (!code)

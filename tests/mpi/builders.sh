@@ -76,9 +76,9 @@ is "two launches at once keep one octree" "$(find together -type f | wc -l)" 1
 is "and both have it" "$(hash_of one)$(hash_of two)" "$wanted$wanted"
 
 # --- the user's own cache folder, and its limit
-XDG_CACHE_HOME=$folder/home sim default
-is "by default octrees are kept in the user's cache" "$(find home/gazewall -name '*.gwo' | wc -l)" 1
-expect "render finds what sim has kept" 0 "read from" render --scene "$folder/sheet.obj" --set octree_depth=7 --size 32x32 --cache "$folder/home/gazewall" --out r.png
+XDG_CACHE_HOME=$folder/user sim default
+is "by default octrees are kept in the user's cache" "$(find user/gazewall -name '*.gwo' | wc -l)" 1
+expect "render finds what sim has kept" 0 "read from" render --scene "$folder/sheet.obj" --set octree_depth=7 --size 32x32 --cache "$folder/user/gazewall" --out r.png
 expect "a cache needs a name" 2 "--cache has an empty name" sim --cache ""
 expect "a limit of nothing" 2 "--cache-limit" sim --cache-limit 0
 expect "no builders" 2 "--builders" sim --builders 0

@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "shaders/common/frame.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -159,10 +160,15 @@ gw_code gw_renderer_add_work(gw_renderer *renderer, size_t slots, gw_counters *c
     return code;
 }
 
-gw_code gw_renderer_kernel(gw_renderer *renderer, const char *name, const gw_kernel_key *key, GLuint *out,
-                           gw_error *error) {
+gw_code gw_renderer_kernel(gw_renderer *renderer, const char *name, const gw_kernel_key *key,
+                           const char *more_defines, GLuint *out, gw_error *error) {
     char defines[1024];
     gw_code code = gw_kernel_defines(key, defines, sizeof defines, error);
+    size_t used = code ? 0 : strlen(defines);
+    if (!code && more_defines &&
+        snprintf(defines + used, sizeof defines - used, "%s", more_defines) >= (int)(sizeof defines - used))
+        code =
+            gw_fail(error, GW_MACHINE, "the defines of '%s' need more than %zu bytes", name, sizeof defines);
     if (!code)
         code = gw_gl_program(renderer->device, name, defines, out, error);
     return code;

@@ -67,6 +67,20 @@ typedef enum gw_trace_method {
 gw_code gw_renderer_trace(gw_renderer *renderer, gw_trace_method method, const gw_ray *rays, size_t ray_count,
                           gw_hit *hits, gw_counters *counters, gw_error *error);
 
+/* Another traversal of the same rays, for benches: what is 0 or NULL is as in the shipped one. */
+enum { GW_TRACE_TEXTURES = 5 };
+typedef struct gw_trace_variant {
+    const char *kernel;                              /* instead of trace/rays.comp, which it resembles */
+    const char *defines;                             /* lines put after the octree's own */
+    const gw_gl_buffer *textures[GW_TRACE_TEXTURES]; /* by unit, see trace/fetch.glsl */
+    int storage;                                     /* 1: nodes, references, triangles as storage blocks */
+    int count;                                       /* 1: count work */
+} gw_trace_variant;
+/* As gw_renderer_trace by the octree. milliseconds: what the kernels took, without copying rays and hits. */
+gw_code gw_renderer_trace_variant(gw_renderer *renderer, const gw_trace_variant *variant, const gw_ray *rays,
+                                  size_t ray_count, gw_hit *hits, gw_counters *counters, double *milliseconds,
+                                  gw_error *error);
+
 /* Adds "effects": {run, skipped: [{name, why}], forced, forbidden} to a report. */
 gw_code gw_renderer_report(const gw_renderer *renderer, json_t *report, gw_error *error);
 /* Bytes on the GPU. */

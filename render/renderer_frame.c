@@ -55,9 +55,9 @@ static gw_code kernels_of(frame_job *job, int resume, gw_error *error) {
     shade.features &= ~(uint32_t)GW_FEATURE_WIDE_NODES;
     shade.loop_budget = 0;
     shade.voxels_only = shade.level_blend = shade.leaf_blend = shade.double_edges = 0;
-    gw_code code = gw_renderer_kernel(job->renderer, "trace/primary.comp", &trace, &job->trace, error);
+    gw_code code = gw_renderer_kernel(job->renderer, "trace/primary.comp", &trace, NULL, &job->trace, error);
     if (!code)
-        code = gw_renderer_kernel(job->renderer, "shade/shade.comp", &shade, &job->shade, error);
+        code = gw_renderer_kernel(job->renderer, "shade/shade.comp", &shade, NULL, &job->shade, error);
     if (!code && (job->key.features & GW_FEATURE_TEXTURES) && job->key.texture_classes > 0) {
         const uint32_t *side = job->renderer->buffers.textures.side;
         glProgramUniform4f(job->shade, 1, (float)side[0], (float)side[1], (float)side[2], (float)side[3]);

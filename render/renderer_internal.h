@@ -19,7 +19,10 @@ enum gw_binding {
     GW_BINDING_SUMS = 7,
     GW_BINDING_PIXELS = 8,
     GW_BINDING_SAMPLES = 9,
-    GW_BINDING_BLOCKS = 10
+    GW_BINDING_BLOCKS = 10,
+    GW_BINDING_NODES = 11, /* these three with STORAGE_FETCH only */
+    GW_BINDING_REFERENCES = 12,
+    GW_BINDING_TRIANGLES = 13
 };
 
 enum { GW_BLOCK_SIDE = 8, GW_BLOCK_PIXELS = 64 };
@@ -60,9 +63,9 @@ gw_code gw_renderer_clear_totals(gw_renderer *renderer, gw_error *error);
 gw_code gw_renderer_read_totals(gw_renderer *renderer, uint32_t totals[4], gw_error *error);
 /* Adds the counted work of the first `slots` rays. */
 gw_code gw_renderer_add_work(gw_renderer *renderer, size_t slots, gw_counters *counters, gw_error *error);
-/* The kernel for a key. */
-gw_code gw_renderer_kernel(gw_renderer *renderer, const char *name, const gw_kernel_key *key, GLuint *out,
-                           gw_error *error);
+/* The kernel for a key; more_defines may be NULL. */
+gw_code gw_renderer_kernel(gw_renderer *renderer, const char *name, const gw_kernel_key *key,
+                           const char *more_defines, GLuint *out, gw_error *error);
 /* Rays that one chunk may hold: dispatches stay short on software GL. */
 size_t gw_renderer_chunk_slots(const gw_renderer *renderer);
 

@@ -1,6 +1,8 @@
 /* Rays for oracles and benches: the octree's traversal, or every triangle with the same test. */
 #include "render/renderer_internal.h"
 
+#include "base/clock.h"
+
 /* Triangles per brute-force dispatch: its loop is uniform, so this is all a group of lanes iterates. */
 enum { BRUTE_FORCE_RANGE = 32768 };
 
@@ -14,17 +16,28 @@ static gw_kernel_key ray_key(const gw_renderer *renderer) {
                            .count = renderer->count};
 }
 
-static gw_code trace_octree(gw_renderer *renderer, size_t count, gw_counters *counters, gw_error *error) {
+/* What one call of gw_renderer_trace or gw_renderer_trace_variant does. */
+typedef struct trace_job {
+    gw_trace_method method;
+    const gw_trace_variant *variant; /* of GW_TRACE_OCTREE */
+    gw_counters counters;
+    double milliseconds;
+} trace_job;
+
+/* A round over all rays, then rounds over those that were suspended. */
+static gw_code trace_octree(gw_renderer *renderer, trace_job *job, size_t count, gw_error *error) {
+    const gw_trace_variant *variant = job->variant;
     gw_kernel_key key = ray_key(renderer);
+    key.count = key.count || variant->count;
+    const char *name = variant->kernel ? variant->kernel : "trace/rays.comp";
     uint32_t length = (uint32_t)count;
     gw_code code = GW_OK;
-    /* A round over all rays, then rounds over those that were suspended. */
     for (int to = 1; !code && length > 0; to = 1 - to) {
         GLuint kernel;
         uint32_t totals[4];
         gw_gl_buffer_bind(&renderer->rays.queues[1 - to], GW_BINDING_QUEUE);
         gw_gl_buffer_bind(&renderer->rays.queues[to], GW_BINDING_NEXT_QUEUE);
-        code = gw_renderer_kernel(renderer, "trace/rays.comp", &key, &kernel, error);
+        code = gw_renderer_kernel(renderer, name, &key, variant->defines, &kernel, error);
         if (!code)
             code = gw_renderer_clear_totals(renderer, error);
         if (!code) {
@@ -35,20 +48,18 @@ static gw_code trace_octree(gw_renderer *renderer, size_t count, gw_counters *co
             code = gw_renderer_read_totals(renderer, totals, error);
         if (!code) {
             length = totals[2];
-            counters->step_cap_hits += totals[0];
-            counters->resumed += length;
+            job->counters.step_cap_hits += totals[0];
+            job->counters.resumed += length;
         }
         key.resume = 1;
     }
-    if (!code && key.count)
-        code = gw_renderer_add_work(renderer, count, counters, error);
     return code;
 }
 
 static gw_code trace_brute_force(gw_renderer *renderer, size_t count, gw_error *error) {
     gw_kernel_key key = {.depth = renderer->octree->depth, .loop_budget = renderer->loop_budget};
     GLuint kernel;
-    gw_code code = gw_renderer_kernel(renderer, "trace/brute_force.comp", &key, &kernel, error);
+    gw_code code = gw_renderer_kernel(renderer, "trace/brute_force.comp", &key, NULL, &kernel, error);
     for (uint32_t begin = 0; !code && begin < renderer->scene->triangle_count; begin += BRUTE_FORCE_RANGE) {
         uint32_t left = renderer->scene->triangle_count - begin;
         glProgramUniform1ui(kernel, 0, (GLuint)count);
@@ -70,22 +81,27 @@ static gw_code grow_buffer(gw_renderer *renderer, gw_gl_buffer *buffer, const ch
     return gw_gl_buffer_create(renderer->device, name, size, NULL, 0, buffer, error);
 }
 
-static gw_code trace_chunk(gw_renderer *renderer, gw_trace_method method, const gw_ray *rays, size_t count,
-                           gw_hit *hits, gw_counters *counters, gw_error *error) {
+static gw_code trace_chunk(gw_renderer *renderer, trace_job *job, const gw_ray *rays, size_t count,
+                           gw_hit *hits, gw_error *error) {
     gw_gl_buffer *given = &renderer->given_rays, *found = &renderer->found_hits;
+    int work = job->method == GW_TRACE_OCTREE && (renderer->count || job->variant->count);
     gw_code code = grow_buffer(renderer, given, "rays", count * sizeof(gw_ray), error);
     if (!code)
         code = grow_buffer(renderer, found, "hits", count * sizeof(gw_hit), error);
     if (!code)
         code = gw_gl_buffer_write(given, 0, count * sizeof(gw_ray), rays, error);
     if (!code)
-        code = gw_renderer_reserve(renderer, count, 1, renderer->count, error);
+        code = gw_renderer_reserve(renderer, count, 1, work, error);
+    int64_t begin = gw_now_ns();
     if (!code) {
         gw_gl_buffer_bind(given, GW_BINDING_FRAGMENTS);
         gw_gl_buffer_bind(found, GW_BINDING_STATUSES);
-        code = method == GW_TRACE_OCTREE ? trace_octree(renderer, count, counters, error)
-                                         : trace_brute_force(renderer, count, error);
+        code = job->method == GW_TRACE_OCTREE ? trace_octree(renderer, job, count, error)
+                                              : trace_brute_force(renderer, count, error);
     }
+    job->milliseconds += (double)(gw_now_ns() - begin) * 1e-6;
+    if (!code && work)
+        code = gw_renderer_add_work(renderer, count, &job->counters, error);
     if (!code)
         code = gw_gl_buffer_read(found, 0, count * sizeof(gw_hit), hits, error);
     for (size_t i = 0; !code && i < count; ++i)
@@ -94,19 +110,49 @@ static gw_code trace_chunk(gw_renderer *renderer, gw_trace_method method, const 
     return code;
 }
 
-gw_code gw_renderer_trace(gw_renderer *renderer, gw_trace_method method, const gw_ray *rays, size_t ray_count,
-                          gw_hit *hits, gw_counters *counters, gw_error *error) {
-    gw_counters own = {0};
-    if (!counters)
-        counters = &own;
-    counters->rays += ray_count;
+static void bind_inputs(const gw_renderer *renderer, const gw_trace_variant *variant) {
     gw_scene_buffers_bind(&renderer->buffers, GW_FILTER_TRILINEAR);
+    for (GLuint unit = 0; unit < GW_TRACE_TEXTURES; ++unit)
+        if (variant->textures[unit])
+            gw_gl_texture_bind(variant->textures[unit], unit);
+    if (variant->storage) {
+        gw_gl_buffer_bind(&renderer->buffers.nodes, GW_BINDING_NODES);
+        gw_gl_buffer_bind(&renderer->buffers.references, GW_BINDING_REFERENCES);
+        gw_gl_buffer_bind(&renderer->buffers.triangles, GW_BINDING_TRIANGLES);
+    }
+}
+
+static gw_code run_job(gw_renderer *renderer, trace_job *job, const gw_ray *rays, size_t ray_count,
+                       gw_hit *hits, gw_error *error) {
+    job->counters.rays += ray_count;
+    bind_inputs(renderer, job->variant);
     size_t chunk = gw_renderer_chunk_slots(renderer);
     for (size_t begin = 0; begin < ray_count; begin += chunk) {
         size_t count = ray_count - begin < chunk ? ray_count - begin : chunk;
-        gw_code code = trace_chunk(renderer, method, rays + begin, count, hits + begin, counters, error);
+        gw_code code = trace_chunk(renderer, job, rays + begin, count, hits + begin, error);
         if (code)
             return gw_context(error, "tracing %zu rays", ray_count);
     }
     return GW_OK;
+}
+
+gw_code gw_renderer_trace(gw_renderer *renderer, gw_trace_method method, const gw_ray *rays, size_t ray_count,
+                          gw_hit *hits, gw_counters *counters, gw_error *error) {
+    static const gw_trace_variant shipped;
+    trace_job job = {.method = method, .variant = &shipped};
+    gw_code code = run_job(renderer, &job, rays, ray_count, hits, error);
+    if (counters)
+        gw_counters_add(counters, &job.counters);
+    return code;
+}
+
+gw_code gw_renderer_trace_variant(gw_renderer *renderer, const gw_trace_variant *variant, const gw_ray *rays,
+                                  size_t ray_count, gw_hit *hits, gw_counters *counters, double *milliseconds,
+                                  gw_error *error) {
+    trace_job job = {.method = GW_TRACE_OCTREE, .variant = variant};
+    gw_code code = run_job(renderer, &job, rays, ray_count, hits, error);
+    if (counters)
+        gw_counters_add(counters, &job.counters);
+    *milliseconds = job.milliseconds;
+    return code;
 }

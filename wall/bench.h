@@ -4,6 +4,7 @@
 #define GW_WALL_BENCH_H
 
 #include "base/status.h"
+#include "render/renderer.h"
 #include "wall/console.h"
 #include "wall/model.h"
 #include "wall/options.h"
@@ -27,6 +28,13 @@ typedef struct gw_bench {
 gw_code gw_bench_build(gw_bench *bench, gw_error *error);
 /* The same primary rays through this octree and through Embree. GW_MACHINE when Embree is not installed. */
 gw_code gw_bench_peers(gw_bench *bench, gw_error *error);
+/* The same primary rays through the octree in other forms of nodes, fetches, stacks and traversals. Fails
+ * when one gives another hit than the shipped form. */
+gw_code gw_bench_layouts(gw_bench *bench, gw_error *error);
+
+/* The rays of the default wall's pixels, bench->size or the benches' default, in rebased space; free() them.
+ */
+gw_code gw_bench_rays(const gw_bench *bench, gw_ray **rays, size_t *count, gw_error *error);
 
 /* Writes FOLDER/NAME.csv from text and FOLDER/NAME.json from the report, if there is a folder. */
 gw_code gw_bench_write(const gw_bench *bench, const char *name, const char *rows, size_t size,

@@ -8,7 +8,6 @@
 #include "render/renderer.h"
 #include "wall/peer.h"
 #include "wall/report.h"
-#include "wall/sim_options.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -42,61 +41,6 @@ typedef struct peers {
     double our_ms[1000], their_ms[1000];
 } peers;
 
-/* The ray from the eye (rebased) through the centre of a pixel of the plane. */
-static void aim_ray(gw_ray *ray, const gw_plane *plane, const gw_similarity *placement, const gw_scene *scene,
-                    const double eye[3], const uint32_t pixel[2]) {
-    double point[3], target[3], length = 0;
-    for (int k = 0; k < 3; k++)
-        point[k] =
-            plane->corner[k] + (pixel[0] + 0.5) * plane->step_x[k] + (pixel[1] + 0.5) * plane->step_y[k];
-    gw_wall_to_rebased(placement, scene, point, target);
-    for (int k = 0; k < 3; k++)
-        length += (target[k] - eye[k]) * (target[k] - eye[k]);
-    length = sqrt(length);
-    for (int k = 0; k < 3; k++) {
-        ray->origin[k] = (float)eye[k];
-        ray->direction[k] = (float)((target[k] - eye[k]) / length);
-    }
-    ray->maximum = 1e30f;
-}
-
-/* The rays of the default wall's pixels, in rebased space, every one with the bits that both programs get. */
-static gw_code make_rays(peers *p, const uint32_t size[2], gw_error *error) {
-    gw_wall_options wall;
-    gw_layout layout;
-    gw_similarity placement;
-    const gw_scene *scene = p->bench->model.scene;
-    gw_wall_options_init(&wall, 1, 1);
-    wall.size[0] = size[0];
-    wall.size[1] = size[1];
-    gw_code code = gw_wall_layout(&wall, &layout, error);
-    if (!code)
-        code = gw_place_scene(scene, layout.size[0], layout.size[1], layout.centre, layout.eye, &placement,
-                              error);
-    p->count = (size_t)size[0] * size[1];
-    if (!code)
-        code = gw_allocate((void **)&p->rays, p->count, sizeof *p->rays, "rays", error);
-    if (code)
-        return code;
-    const gw_plane *plane = &layout.tiles[0].plane;
-    double eye[3];
-    gw_wall_to_rebased(&placement, scene, layout.eye, eye);
-    size_t i = 0;
-    for (size_t block = 0; i < p->count; block++) {
-        uint32_t pixel[2];
-        /* Blocks of 8x8 pixels in Morton order, as the renderer sends them: neighbours stay neighbours. */
-        uint32_t columns = (size[0] + 7) / 8;
-        for (uint32_t within = 0; within < 64; within++) {
-            pixel[0] =
-                (uint32_t)(block % columns) * 8 + ((within & 1) | (within >> 1 & 2) | (within >> 2 & 4));
-            pixel[1] =
-                (uint32_t)(block / columns) * 8 + ((within >> 1 & 1) | (within >> 2 & 2) | (within >> 3 & 4));
-            if (pixel[0] < size[0] && pixel[1] < size[1])
-                aim_ray(&p->rays[i++], plane, &placement, scene, eye, pixel);
-        }
-    }
-    return GW_OK;
-}
 static gw_code trace_both(peers *p, uint32_t repeats, gw_error *error) {
     gw_code code = gw_allocate((void **)&p->ours, p->count, sizeof *p->ours, "hits", error);
     if (!code)
@@ -223,18 +167,13 @@ static void print_summary(const peers *p, const comparison *c, const gw_spread *
 static gw_code measure(peers *p, gw_error *error) {
     gw_bench *bench = p->bench;
     uint32_t repeats = bench->repeats ? bench->repeats : bench->quick ? 2 : 7;
-    uint32_t size[2] = {bench->size[0], bench->size[1]};
-    if (!size[0]) {
-        size[0] = bench->quick ? 160 : 1024;
-        size[1] = bench->quick ? 90 : 576;
-    }
     gw_renderer_options options = {.log = &bench->console.log};
     gw_code code = gw_peer_create(bench->model.scene, &p->peer, error);
     if (!code)
         code = gw_renderer_create(bench->model.device, bench->model.scene, bench->model.octree, &options,
                                   &p->renderer, error);
     if (!code)
-        code = make_rays(p, size, error);
+        code = gw_bench_rays(bench, &p->rays, &p->count, error);
     if (!code)
         code = trace_both(p, repeats, error);
     if (code)

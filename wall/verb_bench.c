@@ -17,7 +17,8 @@ typedef struct bench_kind {
     gw_code (*run)(gw_bench *bench, gw_error *error);
 } bench_kind;
 
-static const bench_kind kinds[] = {{"build", gw_bench_build}, {"peers", gw_bench_peers}};
+static const bench_kind kinds[] = {
+    {"build", gw_bench_build}, {"peers", gw_bench_peers}, {"layouts", gw_bench_layouts}};
 enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };
 
 typedef struct bench_options {
@@ -32,7 +33,7 @@ static const struct argp_option options_table[] = {
     {"quick", KEY_QUICK, NULL, 0, "fewer repeats and rays: shows that it works, measures little", 1},
     {"repeats", KEY_REPEATS, "N", 0, "1 to 1000; default 7 (quick 2)", 1},
     {"size", KEY_SIZE, "WxH", 0,
-     "px, of the picture whose rays peers traces; default 1024x576 (quick 160x90)", 1},
+     "px, of the picture whose rays peers and layouts trace; default 1024x576 (quick 160x90)", 1},
     {0}};
 
 static gw_code choose_kind(bench_options *o, const char *word, gw_error *error) {
@@ -48,7 +49,7 @@ static gw_code choose_kind(bench_options *o, const char *word, gw_error *error) 
         return gw_fail(error, GW_BAD_INPUT, "'%s' is one word too many; bench measures one thing at a time",
                        word);
     const char *near = gw_suggest(word, names, KIND_COUNT);
-    return gw_fail(error, GW_BAD_INPUT, "there is no bench '%s'; it is build or peers%s%s%s", word,
+    return gw_fail(error, GW_BAD_INPUT, "there is no bench '%s'; it is build, peers or layouts%s%s%s", word,
                    near ? " (did you mean '" : "", near ? near : "", near ? "'?)" : "");
 }
 
@@ -87,12 +88,17 @@ static const struct argp_child children[] = {{&gw_draw_argp, 0, NULL, 0}, {0}};
 static const struct argp bench_argp = {
     .options = options_table,
     .parser = parse_bench,
-    .args_doc = "build|peers",
+    .args_doc = "build|peers|layouts",
     .children = children,
     .doc =
         "build: builds the scene's octree again and again; medians, phases, pairs, bytes a triangle.\n"
         "peers: traces the same primary rays through this octree and through Embree (libembree3), in turns; "
-        "ratio of the medians, and every hit on which they differ, by kind.\v"
+        "ratio of the medians, and every hit on which they differ, by kind.\n"
+        "layouts: traces them through other forms of the octree's nodes (Weier et al.'s, 4x4x4 children, a "
+        "root "
+        "grid), other fetches, stacks and traversals, in turns: bytes, counted work, ratio to what ships; "
+        "fails "
+        "when a hit differs.\v"
         "Examples:\n"
         "  gazewall bench build --scene dragon.ply --out results\n"
         "  gazewall bench peers --quick\n"};
@@ -140,8 +146,7 @@ int gw_verb_bench(int argc, char **argv) {
     if (helped && !code)
         return GW_OK;
     if (!code && !o.kind)
-        code = gw_fail(&error, GW_BAD_INPUT,
-                       "say what to measure: gazewall bench build, or gazewall bench peers");
+        code = gw_fail(&error, GW_BAD_INPUT, "say what to measure: gazewall bench build, peers or layouts");
     if (!code)
         code = gw_file_writable(bench->draw.report, &error);
     if (!code && bench->out)

@@ -1,6 +1,14 @@
 // How kernels read the octree and the triangles. Buffer textures win on llvmpipe (a storage load is a loop over lanes
-// there); another device may be given other definitions of the same names by defining GW_FETCH_DEFINED.
-#ifndef GW_FETCH_DEFINED
+// there), STORAGE_FETCH reads storage blocks instead; other definitions of the same names come in by defining
+// GW_FETCH_DEFINED.
+#if defined(STORAGE_FETCH)
+layout(std430, binding = 11) readonly buffer Nodes { uvec2 nodes[]; };
+layout(std430, binding = 12) readonly buffer References { uint references[]; };
+layout(std430, binding = 13) readonly buffer Triangles { uvec4 triangles[]; };
+#define NODE(index) nodes[index]
+#define REFERENCE(index) references[index]
+#define TRIANGLE(id, k) triangles[(id) * 3u + uint(k)]
+#elif !defined(GW_FETCH_DEFINED)
 layout(binding = 0) uniform usamplerBuffer nodes;
 layout(binding = 1) uniform usamplerBuffer references;
 layout(binding = 2) uniform usamplerBuffer triangles;

@@ -51,10 +51,22 @@ uint octant_at(int s) {
     return uint(bits.x | (bits.y << 1) | (bits.z << 2)) ^ mirror;
 }
 
+// A kernel that reads nodes of another form (bench/) brings its own of these two.
+#ifdef GW_NODE_FORM_DEFINED
+void restart();
+void return_to(int s);
+#else
 void restart() {
     scale = SCALE_ABOVE_ROOT;
     node_word = WORD_ABOVE_ROOT;
 }
+
+// To the ancestor whose cell has scale s.
+void return_to(int s) {
+    scale = s;
+    node_word = stack_pop(s);
+}
+#endif
 
 // Brings the ray to the root cube; false if it never meets it. Components of the direction are clamped away from zero for
 // stepping only, relative to the largest, so that divisions stay finite; not-a-number and infinite rays never enter.
@@ -108,6 +120,5 @@ void advance(int s) {
     cell = next;
     cell_entry = leave;
     in_root = highest < OCTREE_DEPTH;
-    scale = highest + 1;
-    node_word = stack_pop(scale);
+    return_to(highest + 1);
 }

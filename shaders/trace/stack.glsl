@@ -1,9 +1,31 @@
-// The traversal's stack: one word for each octree level, indexed by scale (log2 of the cell's side in grid units).
-// Registers and selects, since a dynamically indexed array costs more on llvmpipe (traversal time x1.31); the number of
-// registers follows from OCTREE_DEPTH, so no octree can be too deep for it.
+// The traversal's stack: one word for each octree level, indexed by scale (log2 of the cell's side in grid units), from 1.
+// Registers and selects, since a dynamically indexed array costs more on llvmpipe (docs/performance.md); the number of
+// registers follows from OCTREE_DEPTH, so no octree can be too deep for it. STACK_LOCAL is an array of the invocation,
+// STACK_SHARED one of the work group, for devices where those win.
 #if OCTREE_DEPTH > 15
 #error "the traversal stack holds 15 levels"
 #endif
+#ifndef STACK_LEVELS
+#define STACK_LEVELS OCTREE_DEPTH
+#endif
+
+#if defined(STACK_LOCAL)
+uint stack_words[STACK_LEVELS];
+void stack_push(int at, uint word) {
+    stack_words[at - 1] = word;
+}
+uint stack_pop(int at) {
+    return stack_words[clamp(at, 1, STACK_LEVELS) - 1];
+}
+#elif defined(STACK_SHARED)
+shared uint stack_words[STACK_LEVELS * 64];
+void stack_push(int at, uint word) {
+    stack_words[(at - 1) * 64 + int(gl_LocalInvocationIndex)] = word;
+}
+uint stack_pop(int at) {
+    return stack_words[(clamp(at, 1, STACK_LEVELS) - 1) * 64 + int(gl_LocalInvocationIndex)];
+}
+#else
 
 uint stack_1, stack_2, stack_3, stack_4, stack_5, stack_6, stack_7, stack_8;
 uint stack_9, stack_10, stack_11, stack_12, stack_13, stack_14, stack_15;
@@ -11,46 +33,46 @@ uint stack_9, stack_10, stack_11, stack_12, stack_13, stack_14, stack_15;
 #define STACK_PUSH_LEVEL(slot, level) slot = at == level ? word : slot
 void stack_push(int at, uint word) {
     STACK_PUSH_LEVEL(stack_1, 1);
-#if OCTREE_DEPTH >= 2
+#if STACK_LEVELS >= 2
     STACK_PUSH_LEVEL(stack_2, 2);
 #endif
-#if OCTREE_DEPTH >= 3
+#if STACK_LEVELS >= 3
     STACK_PUSH_LEVEL(stack_3, 3);
 #endif
-#if OCTREE_DEPTH >= 4
+#if STACK_LEVELS >= 4
     STACK_PUSH_LEVEL(stack_4, 4);
 #endif
-#if OCTREE_DEPTH >= 5
+#if STACK_LEVELS >= 5
     STACK_PUSH_LEVEL(stack_5, 5);
 #endif
-#if OCTREE_DEPTH >= 6
+#if STACK_LEVELS >= 6
     STACK_PUSH_LEVEL(stack_6, 6);
 #endif
-#if OCTREE_DEPTH >= 7
+#if STACK_LEVELS >= 7
     STACK_PUSH_LEVEL(stack_7, 7);
 #endif
-#if OCTREE_DEPTH >= 8
+#if STACK_LEVELS >= 8
     STACK_PUSH_LEVEL(stack_8, 8);
 #endif
-#if OCTREE_DEPTH >= 9
+#if STACK_LEVELS >= 9
     STACK_PUSH_LEVEL(stack_9, 9);
 #endif
-#if OCTREE_DEPTH >= 10
+#if STACK_LEVELS >= 10
     STACK_PUSH_LEVEL(stack_10, 10);
 #endif
-#if OCTREE_DEPTH >= 11
+#if STACK_LEVELS >= 11
     STACK_PUSH_LEVEL(stack_11, 11);
 #endif
-#if OCTREE_DEPTH >= 12
+#if STACK_LEVELS >= 12
     STACK_PUSH_LEVEL(stack_12, 12);
 #endif
-#if OCTREE_DEPTH >= 13
+#if STACK_LEVELS >= 13
     STACK_PUSH_LEVEL(stack_13, 13);
 #endif
-#if OCTREE_DEPTH >= 14
+#if STACK_LEVELS >= 14
     STACK_PUSH_LEVEL(stack_14, 14);
 #endif
-#if OCTREE_DEPTH >= 15
+#if STACK_LEVELS >= 15
     STACK_PUSH_LEVEL(stack_15, 15);
 #endif
 }
@@ -58,47 +80,48 @@ void stack_push(int at, uint word) {
 #define STACK_POP_LEVEL(slot, level) word = at == level ? slot : word
 uint stack_pop(int at) {
     uint word = stack_1;
-#if OCTREE_DEPTH >= 2
+#if STACK_LEVELS >= 2
     STACK_POP_LEVEL(stack_2, 2);
 #endif
-#if OCTREE_DEPTH >= 3
+#if STACK_LEVELS >= 3
     STACK_POP_LEVEL(stack_3, 3);
 #endif
-#if OCTREE_DEPTH >= 4
+#if STACK_LEVELS >= 4
     STACK_POP_LEVEL(stack_4, 4);
 #endif
-#if OCTREE_DEPTH >= 5
+#if STACK_LEVELS >= 5
     STACK_POP_LEVEL(stack_5, 5);
 #endif
-#if OCTREE_DEPTH >= 6
+#if STACK_LEVELS >= 6
     STACK_POP_LEVEL(stack_6, 6);
 #endif
-#if OCTREE_DEPTH >= 7
+#if STACK_LEVELS >= 7
     STACK_POP_LEVEL(stack_7, 7);
 #endif
-#if OCTREE_DEPTH >= 8
+#if STACK_LEVELS >= 8
     STACK_POP_LEVEL(stack_8, 8);
 #endif
-#if OCTREE_DEPTH >= 9
+#if STACK_LEVELS >= 9
     STACK_POP_LEVEL(stack_9, 9);
 #endif
-#if OCTREE_DEPTH >= 10
+#if STACK_LEVELS >= 10
     STACK_POP_LEVEL(stack_10, 10);
 #endif
-#if OCTREE_DEPTH >= 11
+#if STACK_LEVELS >= 11
     STACK_POP_LEVEL(stack_11, 11);
 #endif
-#if OCTREE_DEPTH >= 12
+#if STACK_LEVELS >= 12
     STACK_POP_LEVEL(stack_12, 12);
 #endif
-#if OCTREE_DEPTH >= 13
+#if STACK_LEVELS >= 13
     STACK_POP_LEVEL(stack_13, 13);
 #endif
-#if OCTREE_DEPTH >= 14
+#if STACK_LEVELS >= 14
     STACK_POP_LEVEL(stack_14, 14);
 #endif
-#if OCTREE_DEPTH >= 15
+#if STACK_LEVELS >= 15
     STACK_POP_LEVEL(stack_15, 15);
 #endif
     return word;
 }
+#endif

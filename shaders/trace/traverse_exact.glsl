@@ -18,6 +18,33 @@ void step_on(int s) {
     walking = in_root && hit_t > cell_entry;
 }
 
+// One step: down into the child in which the ray stands, or on, out of an empty one. True at a leaf, whose cell has the
+// scale `scale` then. Kernels that read nodes of another form (bench/) bring their own.
+#ifdef GW_NODE_FORM_DEFINED
+bool take_step(out uvec2 leaf);
+#else
+bool take_step(out uvec2 leaf) {
+    int child_scale = scale - 1;
+    bool valid, found = false;
+    uint index = child_at(node_word, octant_at(child_scale), valid);
+    COUNT_NODE(valid);
+    leaf = uvec2(0u);
+    if (valid) {
+        uvec2 node = NODE(index);
+        scale = child_scale;
+        found = GW_NODE_KIND(node.y) != GW_KIND_INNER;
+        leaf = node;
+        if (!found) {
+            node_word = node_word_of(index, node);
+            stack_push(child_scale, node_word);
+        }
+    } else {
+        step_on(child_scale);
+    }
+    return found;
+}
+#endif
+
 void traverse() {
     while (walking && iterations < LOOP_BUDGET) {
         ++iterations;
@@ -26,22 +53,7 @@ void traverse() {
         while (walking && !found && iterations < LOOP_BUDGET) {
             ++iterations;
             COUNT_STEP();
-            int child_scale = scale - 1;
-            bool valid;
-            uint index = child_at(node_word, octant_at(child_scale), valid);
-            COUNT_NODE(valid);
-            if (valid) {
-                uvec2 node = NODE(index);
-                scale = child_scale;
-                found = GW_NODE_KIND(node.y) != GW_KIND_INNER;
-                leaf = node;
-                if (!found) {
-                    node_word = node_word_of(index, node);
-                    stack_push(child_scale, node_word);
-                }
-            } else {
-                step_on(child_scale);
-            }
+            found = take_step(leaf);
         }
         if (found) {
             list_cursor = list_cursor == 0u ? leaf.x : list_cursor;

@@ -86,6 +86,12 @@ expect "so is a gaze beside the picture" 2 "pixel 200,20 is on no tile" render -
 expect "states that cannot be written" 5 "$folder/nowhere/s" sim --scene missing.obj --save-states "$folder/nowhere/s"
 expect "results of a bench below a file" 5 "$folder/file" bench build --scene missing.obj --out "$folder/file/results"
 is "a quiet bench is quiet" "$("$program" bench build --quick "${scene[@]}" 2>&1)" ""
+"$program" bench layouts --quick --size 32x32 --repeats 1 "${scene[@]}" --out "$folder/layouts"
+is "layouts that were compared" $? 0
+is "they are in the report" "$(json "$folder/layouts/layouts.json" '["bench"]["layouts"][6]["name"]')" "seed64"
+is "with the reason where one was skipped" \
+    "$(json "$folder/layouts/layouts.json" '["bench"]["layouts"][9]["skipped"].count("deeper than 5 levels")')" 1
+is "and eleven of them in the table" "$(grep -c '^[a-z0-9-]*,[0-9]' "$folder/layouts/layouts.csv")" 11
 mkfifo "$folder/fifo"
 timeout 60 cat "$folder/fifo" >"$folder/through" &
 expect "a picture through a FIFO" 0 "" render "${scene[@]}" --size 8x8 --out "$folder/fifo"

@@ -2,7 +2,7 @@
  * hard ones too. Rays and meshes are random from a printed seed. */
 #include "tests/support/check.h"
 
-#include "tests/support/meshes.h"
+#include "tests/support/rays.h"
 #include "tests/support/renders.h"
 
 #include <math.h>
@@ -14,93 +14,14 @@ static gw_renderer *renderer;
 static gw_ray *rays;
 static size_t ray_count;
 
-static float between(uint64_t *random, double low, double high) {
-    return (float)(low + (high - low) * gw_test_random(random));
-}
-
-/* A bumpy closed sphere, a finely cut floor, a wall exactly in a cell plane and small things. */
-static gw_scene *make_scene(void) {
-    gw_mesh mesh = {0};
-    gw_mesh_add_sphere(&mesh, (const double[]){0.1, 0.2, -0.1}, 0.4, 0.2, 40, 24);
-    gw_mesh_add_grid(&mesh, (const double[]){-0.9, -0.5, -0.9}, (const double[]){1.8, 0, 0},
-                     (const double[]){0, 0, 1.8}, 24, 24);
-    gw_mesh_add_grid(&mesh, (const double[]){-0.875, -0.5, -0.875}, (const double[]){0, 1.0, 0},
-                     (const double[]){0, 0, 1.75}, 2, 2);
-    uint64_t random = SEED;
-    for (int i = 0; i < 120; ++i) {
-        double centre[3];
-        for (int k = 0; k < 3; ++k)
-            centre[k] = 1.7 * (gw_test_random(&random) - 0.5);
-        gw_mesh_add_tetrahedron(&mesh, centre, 0.002 + 0.03 * gw_test_random(&random));
-    }
-    gw_scene *scene = NULL;
-    check_ok(gw_mesh_scene(&mesh, &scene, &error));
-    gw_mesh_finish(&mesh);
-    return scene;
-}
-
-static const float *vertex(uint32_t triangle, uint32_t corner) {
-    return stage.scene->positions + (size_t)stage.scene->triangles[triangle][corner] * 3;
-}
-
-static uint32_t any_triangle(uint64_t *random) {
-    return (uint32_t)(gw_test_random(random) * stage.scene->triangle_count);
-}
-
-/* Kinds of origin: anywhere inside, far outside, on corners of cells, on a triangle's vertex. */
-static void put_origin(gw_ray *ray, uint64_t *random, int kind) {
-    uint32_t triangle = any_triangle(random);
-    for (uint32_t k = 0; k < 3; ++k) {
-        float cell = between(random, -32.0, 32.0);
-        ray->origin[k] = kind == 0   ? between(random, -0.95, 0.95)
-                         : kind == 1 ? between(random, -4.0, 4.0)
-                         : kind == 2 ? floorf(cell) / 32.0f
-                                     : vertex(triangle, 1)[k];
-    }
-}
-
-/* Kinds of direction: any, at a vertex, at an edge's middle, along an axis, one zero component, diagonal,
- * nearly zero components. */
-static void put_direction(gw_ray *ray, uint64_t *random, int kind) {
-    static const float tiny[] = {0.0f, -0.0f, 1e-38f, -1e-45f, 1e-20f, -1e-12f};
-    uint32_t triangle = any_triangle(random);
-    uint32_t axis = (uint32_t)(gw_test_random(random) * 3.0);
-    for (uint32_t k = 0; k < 3; ++k) {
-        float sign = gw_test_random(random) < 0.5 ? -1.0f : 1.0f;
-        float small = tiny[(int)(gw_test_random(random) * 6.0)];
-        float at_vertex = vertex(triangle, 0)[k] - ray->origin[k];
-        float at_edge = 0.5f * (vertex(triangle, 0)[k] + vertex(triangle, 1)[k]) - ray->origin[k];
-        float free_value = between(random, -1.0, 1.0);
-        float along = k == axis ? sign : small;
-        ray->direction[k] = kind == 0   ? free_value
-                            : kind == 1 ? at_vertex
-                            : kind == 2 ? at_edge
-                            : kind == 3 ? along
-                            : kind == 4 ? (k == axis ? small : free_value)
-                            : kind == 5 ? sign
-                                        : (k == axis ? at_vertex : small);
-    }
-}
-
-static void make_rays(void) {
-    rays = calloc(RAYS, sizeof *rays);
-    assert_non_null(rays);
-    uint64_t random = SEED + 1;
-    for (size_t i = 0; i < RAYS; ++i) {
-        put_origin(&rays[i], &random, (int)(i % 4));
-        put_direction(&rays[i], &random, (int)(i / 4 % 7));
-        rays[i].maximum = INFINITY;
-    }
-    ray_count = RAYS;
-}
-
 static int open_stage(void **state) {
     (void)state;
     print_message("seed %d\n", SEED);
-    check_ok(
-        gw_stage_open(&stage, make_scene(), NULL, (const char *const[]){"octree_depth=9", NULL}, &error));
+    check_ok(gw_stage_open(&stage, gw_test_scene(SEED), NULL, (const char *const[]){"octree_depth=9", NULL},
+                           &error));
     check_ok(gw_renderer_create(stage.device, stage.scene, stage.octree, NULL, &renderer, &error));
-    make_rays();
+    rays = gw_test_rays(stage.scene, RAYS, SEED + 1);
+    ray_count = RAYS;
     return 0;
 }
 

@@ -22,7 +22,7 @@
            "0 (keep all)", "triangles that reach farther than this many extents of the bulk of the scene are dropped")  \
     GW_ROW(octree_depth, INTEGER, 11, 1, 15, "", BUILD, "levels", "voxel size against memory and build time",          \
            "depth 15 or exact triangles (tau 0)", "deepest octree level; the root cube has side 2")                    \
-    GW_ROW(leaf_triangles, INTEGER, 4, 1, 255, "", BUILD, "triangles", "tests per ray against nodes",                  \
+    GW_ROW(leaf_triangles, INTEGER, 4, 0, 255, "", BUILD, "triangles", "tests per ray against nodes",                  \
            "any value gives the same pixels at tau 0", "a cell with at most this many triangles becomes a leaf (K)")   \
     GW_ROW(fan_rule, SWITCH, 1, 0, 1, "", BUILD, "", "tests per ray against nodes",                                    \
            "off gives the same pixels at tau 0", "a cell whose triangles all share one vertex becomes a leaf")         \

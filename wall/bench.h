@@ -19,8 +19,11 @@ typedef struct gw_bench {
     int quick;        /* fewer repeats and rays, for tests */
     uint32_t repeats; /* 0: the bench's own number */
     uint32_t size[2]; /* px, of benches that trace a picture; 0: the bench's own */
+    size_t scene_count;
+    const char *scenes[16]; /* of benches that take several; none: draw.scene */
     gw_console console;
-    gw_model model; /* scene imported, device open, octree built */
+    gw_model model; /* scene imported, device open, octree built; only the device where a bench has scenes of
+                       its own */
     json_t *report; /* gw_report_create's, with device, scene, octree, settings */
 } gw_bench;
 
@@ -35,6 +38,22 @@ gw_code gw_bench_layouts(gw_bench *bench, gw_error *error);
 /* The rays of the default wall's pixels, bench->size or the benches' default, in rebased space; free() them.
  */
 gw_code gw_bench_rays(const gw_bench *bench, gw_ray **rays, size_t *count, gw_error *error);
+
+/* Table 2 of Weier et al. 2014: bytes of an octree refined everywhere against one that stops early. */
+gw_code gw_bench_table2(gw_bench *bench, gw_error *error);
+
+/* One octree's work, bytes and times. */
+typedef struct gw_built {
+    uint32_t depth, triangles;
+    gw_octree_statistics statistics; /* of the fastest build */
+    uint64_t node_bytes, reference_bytes, payload_bytes, triangle_bytes;
+    double total_ms; /* of the fastest build, uploads and hash included */
+    gw_hash hash;
+} gw_built;
+
+/* Builds `repeats` times with these settings and keeps the fastest. Fails if two builds differ. */
+gw_code gw_bench_measure(const gw_bench *bench, const gw_scene *scene, const gw_settings *settings,
+                         uint32_t repeats, gw_built *out, gw_error *error);
 
 /* Writes FOLDER/NAME.csv from text and FOLDER/NAME.json from the report, if there is a folder. */
 gw_code gw_bench_write(const gw_bench *bench, const char *name, const char *rows, size_t size,

@@ -144,11 +144,13 @@ static json_t *statistics_of(const gw_octree_statistics *s) {
                      "inner_payload", s->milliseconds[2], "assembly", s->milliseconds[3]);
 }
 
+uint64_t gw_triangle_bytes(const gw_scene *scene) {
+    return scene->triangle_count * (uint64_t)(sizeof(gw_gpu_triangle) + sizeof(gw_gpu_face)) +
+           scene->vertex_count * (uint64_t)sizeof(gw_gpu_vertex);
+}
+
 void gw_report_octree(json_t *report, const gw_octree *octree, const gw_scene *scene,
                       const gw_gl_limits *limits, double build_ms, int from_cache) {
-    uint64_t triangle_bytes =
-        scene->triangle_count * (uint64_t)(sizeof(gw_gpu_triangle) + sizeof(gw_gpu_face)) +
-        scene->vertex_count * (uint64_t)sizeof(gw_gpu_vertex);
     json_t *object = json_pack("{s:o, s:o, s:o, s:o, s:{s:o, s:o, s:o, s:o, s:o}, s:f, s:f, s:o}", "hash",
                                hash_text(octree->hash), "depth", count(octree->depth), "nodes",
                                count(octree->node_count), "leaves", count(octree->statistics.leaves), "bytes",
@@ -156,7 +158,7 @@ void gw_report_octree(json_t *report, const gw_octree *octree, const gw_scene *s
                                count(octree->statistics.leaves * sizeof(gw_node)), "references",
                                count(gw_octree_reference_bytes(octree)), "payload",
                                count((gw_octree_payload_bytes(octree) + gw_octree_emission_bytes(octree))),
-                               "triangles", count(triangle_bytes), "references_per_triangle",
+                               "triangles", count(gw_triangle_bytes(scene)), "references_per_triangle",
                                (double)octree->reference_count / (double)scene->triangle_count, "build_ms",
                                build_ms, "statistics", statistics_of(&octree->statistics));
     json_object_set_new(report, "octree", object);

@@ -29,6 +29,8 @@ void gw_report_octree(json_t *report, const gw_octree *octree, const gw_scene *s
                       const gw_gl_limits *limits, double build_ms, int from_cache);
 /* Which ranks built the octree, and how the work was divided; after gw_report_octree. */
 void gw_report_builders(json_t *report, const gw_together *who);
+/* Bytes of the scene's triangles on the GPU: for intersection, for shading, and their vertices. */
+uint64_t gw_triangle_bytes(const gw_scene *scene);
 void gw_report_settings(json_t *report, const gw_settings *settings);
 void gw_report_counters(json_t *report, const gw_counters *counters);
 void gw_report_track(json_t *report, const gw_track *track);

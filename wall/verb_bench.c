@@ -15,10 +15,15 @@
 typedef struct bench_kind {
     const char *name;
     gw_code (*run)(gw_bench *bench, gw_error *error);
+    int scenes; /* 1: takes several and opens them itself */
 } bench_kind;
 
 static const bench_kind kinds[] = {
-    {"build", gw_bench_build}, {"peers", gw_bench_peers}, {"layouts", gw_bench_layouts}};
+    {"build", gw_bench_build, 0},
+    {"peers", gw_bench_peers, 0},
+    {"layouts", gw_bench_layouts, 0},
+    {"table2", gw_bench_table2, 1},
+};
 enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };
 
 typedef struct bench_options {
@@ -36,6 +41,14 @@ static const struct argp_option options_table[] = {
      "px, of the picture whose rays peers and layouts trace; default 1024x576 (quick 160x90)", 1},
     {0}};
 
+static gw_code add_scene(gw_bench *bench, const char *path, gw_error *error) {
+    const size_t most = sizeof bench->scenes / sizeof *bench->scenes;
+    if (bench->scene_count == most)
+        return gw_fail(error, GW_BAD_INPUT, "'%s' is one scene too many; a bench takes %zu", path, most);
+    bench->scenes[bench->scene_count++] = path;
+    return GW_OK;
+}
+
 static gw_code choose_kind(bench_options *o, const char *word, gw_error *error) {
     const char *names[KIND_COUNT];
     for (size_t i = 0; i < KIND_COUNT; i++) {
@@ -45,12 +58,14 @@ static gw_code choose_kind(bench_options *o, const char *word, gw_error *error) 
             return GW_OK;
         }
     }
+    if (o->kind && o->kind->scenes)
+        return add_scene(&o->bench, word, error);
     if (o->kind)
         return gw_fail(error, GW_BAD_INPUT, "'%s' is one word too many; bench measures one thing at a time",
                        word);
     const char *near = gw_suggest(word, names, KIND_COUNT);
-    return gw_fail(error, GW_BAD_INPUT, "there is no bench '%s'; it is build, peers or layouts%s%s%s", word,
-                   near ? " (did you mean '" : "", near ? near : "", near ? "'?)" : "");
+    return gw_fail(error, GW_BAD_INPUT, "there is no bench '%s'; it is build, peers, layouts or table2%s%s%s",
+                   word, near ? " (did you mean '" : "", near ? near : "", near ? "'?)" : "");
 }
 
 static error_t parse_bench(int key, char *argument, struct argp_state *state) {
@@ -88,7 +103,7 @@ static const struct argp_child children[] = {{&gw_draw_argp, 0, NULL, 0}, {0}};
 static const struct argp bench_argp = {
     .options = options_table,
     .parser = parse_bench,
-    .args_doc = "build|peers|layouts",
+    .args_doc = "build|peers|layouts|table2 [SCENE...]",
     .children = children,
     .doc =
         "build: builds the scene's octree again and again; medians, phases, pairs, bytes a triangle.\n"
@@ -98,10 +113,14 @@ static const struct argp bench_argp = {
         "root "
         "grid), other fetches, stacks and traversals, in turns: bytes, counted work, ratio to what ships; "
         "fails "
-        "when a hit differs.\v"
+        "when a hit differs.\n"
+        "table2: bytes of octrees refined everywhere against those that stop early, by the rules of the "
+        "paper that "
+        "this octree comes from and by ours, for each SCENE; its Table 2 beside it.\v"
         "Examples:\n"
         "  gazewall bench build --scene dragon.ply --out results\n"
-        "  gazewall bench peers --quick\n"};
+        "  gazewall bench peers --quick\n"
+        "  gazewall bench table2 dragon.ply sponza.gltf --out results\n"};
 
 gw_code gw_bench_write(const gw_bench *bench, const char *name, const char *rows, size_t size,
                        gw_error *error) {
@@ -121,18 +140,22 @@ gw_code gw_bench_write(const gw_bench *bench, const char *name, const char *rows
     return code;
 }
 
-static gw_code prepare(gw_bench *bench, int argc, char **argv, gw_error *error) {
+static gw_code prepare(bench_options *o, int argc, char **argv, gw_error *error) {
+    gw_bench *bench = &o->bench;
     gw_model *model = &bench->model;
     gw_code code = gw_report_create(argc, argv, &bench->report, error);
     if (!code)
-        code = gw_model_open(model, &bench->draw, &bench->console.log, error);
+        code = o->kind->scenes ? gw_model_open_device(model, &bench->draw, &bench->console.log, error)
+                               : gw_model_open(model, &bench->draw, &bench->console.log, error);
     if (code)
         return code;
     const gw_gl_limits *limits = gw_gl_limits_of(model->device);
     gw_report_device(bench->report, limits);
+    gw_report_settings(bench->report, &bench->draw.settings);
+    if (o->kind->scenes)
+        return GW_OK;
     gw_report_scene(bench->report, model->scene, model->import_ms);
     gw_report_octree(bench->report, model->octree, model->scene, limits, model->build_ms, model->from_cache);
-    gw_report_settings(bench->report, &bench->draw.settings);
     return GW_OK;
 }
 
@@ -146,14 +169,15 @@ int gw_verb_bench(int argc, char **argv) {
     if (helped && !code)
         return GW_OK;
     if (!code && !o.kind)
-        code = gw_fail(&error, GW_BAD_INPUT, "say what to measure: gazewall bench build, peers or layouts");
+        code = gw_fail(&error, GW_BAD_INPUT,
+                       "say what to measure: gazewall bench build, peers, layouts or table2");
     if (!code)
         code = gw_file_writable(bench->draw.report, &error);
     if (!code && bench->out)
         code = gw_make_directories(bench->out, &error);
     gw_console_init(&bench->console, "bench", bench->draw.level, bench->draw.quiet);
     if (!code)
-        code = prepare(bench, argc, argv, &error);
+        code = prepare(&o, argc, argv, &error);
     if (!code)
         code = o.kind->run(bench, &error);
     if (!code && bench->draw.report)

@@ -69,8 +69,8 @@ furniture/Scopia/scopia/acacia/acacia.obj                            102889 275 
 furniture/BlendSwap-CC-BY/blendswap-cc-by/chessboard/chessboard.obj  125698 112 0
 furniture/KatorLegaz/katorlegaz/concept-sedan-02/concept-sedan-02.obj 124188 0 0
 furniture/Scopia/scopia/aquarium/aquarium.obj                        5622 0 4
-supertuxkart/candela_city/candela_city.gltf                          431129 480 93
-supertuxkart/ravenbridge_mansion/ravenbridge_mansion.gltf            273672 256 80
+supertuxkart/candela_city/candela_city.gltf                          430831 778 93
+supertuxkart/ravenbridge_mansion/ravenbridge_mansion.gltf            273157 771 80
 SCENES
 echo "1..$number"
 [ -n "${GW_TEST_FOLDER:-}" ] || rm -rf "$folder"

@@ -1,0 +1,26 @@
+#!/bin/bash
+# gazewall bench table2: rows, their arithmetic and their order, on a small scene.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/support/tap.sh
+
+make_scene "$folder/sheet.obj"
+run=(bench table2 --quick --out "$folder/results")
+expect "table 2 of two scenes" 0 "Happy Buddha" "${run[@]}" "$folder/sheet.obj" "$folder/sheet.obj"
+csv=$folder/results/table2.csv
+is "a header and six rows for each scene" "$(wc -l <"$csv")" 13
+is "columns" "$(awk -F, '{print NF}' "$csv" | sort -u)" 17
+# scene triangles row depth inner leaves nodes references voxels triangles saved_all saved_tree ...
+is "the paper's node keeps all eight children, its voxel takes 16 bytes" \
+    "$(awk -F, 'NR > 1 && /paper.s node/ && ($7 != 8 * (1 + 8 * $5) || $9 != 16 * ($5 + $6))' "$csv")" ""
+is "ours keeps those there are" "$(awk -F, 'NR > 1 && !/paper.s node/ && $7 != 8 * ($5 + $6)' "$csv")" ""
+is "refined everywhere has most nodes, our rules fewest" \
+    "$(awk -F, 'NR >= 4 && NR <= 6 { if (last && $5 + $6 >= last) print "row", NR; last = $5 + $6 }' "$csv")" ""
+is "every leaf of the tree refined everywhere is at the limit" \
+    "$(json "$folder/results/table2.json" '["bench"]["scenes"][0]["rows"][2]["depth"]')" 6
+is "savings are of the row refined everywhere" "$(awk -F, '
+    NR == 2 { all = $7 + $8 + $9 + $10 }
+    NR == 3 { d = 100 * (1 - ($7 + $8 + $9 + $10) / all) - $11; print (d < 0.001 && d > -0.001 ? "yes" : d) }' "$csv")" yes
+expect "a scene that is not there" 2 "missing.obj" "${run[@]}" "$folder/missing.obj"
+expect "too many scenes" 2 "one scene too many" bench table2 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17
+expect "scenes for a bench that takes one" 2 "one word too many" bench build a.obj
+finish

@@ -54,8 +54,10 @@ gw_code gw_gl_uniform(GLuint program, const char *name, GLint *out, gw_error *er
 /* A buffer, by name for messages. size 0 is rounded up to 16 so that it can be bound. */
 typedef struct gw_gl_buffer {
     GLuint id;
-    size_t size;    /* bytes */
-    GLuint texture; /* buffer texture over the whole buffer, 0 if none */
+    size_t size;     /* bytes */
+    GLuint texture;  /* buffer texture over the whole buffer, 0 if none */
+    size_t capacity; /* bytes of storage, size or more; nothing beyond size can be seen */
+    gw_gl *keeper;   /* the device whose pool the storage goes back to, NULL: it is deleted */
     char name[32];
 } gw_gl_buffer;
 
@@ -73,6 +75,17 @@ gw_code gw_gl_buffer_read(const gw_gl_buffer *buffer, size_t offset, size_t size
                           gw_error *error);
 void gw_gl_buffer_bind(const gw_gl_buffer *buffer, GLuint binding);       /* as shader storage */
 void gw_gl_texture_bind(const gw_gl_buffer *buffer, GLuint texture_unit); /* its buffer texture */
+
+/* The pool: storage of finished buffers is kept for buffers to come of about the same size. For work that is
+ * done anew for every frame; off until asked for, and only buffers made while it is on take part. */
+typedef struct gw_gl_pool_counts {
+    uint64_t made, reused; /* buffers since the device was made: with fresh storage, with that of another */
+    uint64_t idle_bytes;   /* kept for buffers to come */
+} gw_gl_pool_counts;
+void gw_gl_pool_start(gw_gl *device);
+/* Frees what is idle; from here on buffers are freed when they are finished. */
+void gw_gl_pool_stop(gw_gl *device);
+gw_gl_pool_counts gw_gl_pool_counts_of(const gw_gl *device);
 
 /* Dispatches `groups` one-dimensional work groups of `program` in slices no larger than the driver's limit,
  * setting the uniform uint "group_base" (optional in the shader when one slice is enough) before each, with a

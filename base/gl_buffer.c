@@ -61,12 +61,17 @@ static gw_code check_size(const gw_gl *device, const char *name, size_t size, GL
     return GW_OK;
 }
 
+static size_t rounded(size_t size) {
+    return (size + GRANULE - 1) / GRANULE * GRANULE;
+}
+
 /* Fresh storage is not cleared by GL; contents must not depend on what was there. */
 static void fill(GLuint id, size_t size, size_t allocated, const void *data) {
     static const uint8_t zeros[GRANULE];
     if (!data) {
         const GLuint zero = 0;
-        glClearNamedBufferData(id, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, &zero);
+        glClearNamedBufferSubData(id, GL_R32UI, 0, (GLsizeiptr)allocated, GL_RED_INTEGER, GL_UNSIGNED_INT,
+                                  &zero);
         return;
     }
     glNamedBufferSubData(id, 0, (GLsizeiptr)size, data);
@@ -89,11 +94,11 @@ gw_code gw_gl_buffer_create(gw_gl *device, const char *name, size_t size, const 
     if (size == 0) {
         data = NULL;
     }
-    size_t allocated = size == 0 ? GRANULE : (size + GRANULE - 1) / GRANULE * GRANULE;
     out->size = size == 0 ? GRANULE : size;
-    glCreateBuffers(1, &out->id);
-    glNamedBufferStorage(out->id, (GLsizeiptr)allocated, NULL, GL_DYNAMIC_STORAGE_BIT);
-    if (glGetError() != GL_NO_ERROR) {
+    const size_t allocated = rounded(out->size);
+    out->keeper = device->pool.on ? device : NULL;
+    gw_gl_pool_take(device, allocated, &out->id, &out->capacity);
+    if (!out->id) {
         code = gw_fail(error, GW_MACHINE, "buffer '%s': the GPU has no room for %.1f MiB", name,
                        mebibytes((double)allocated));
         gw_gl_buffer_finish(out);
@@ -103,7 +108,7 @@ gw_code gw_gl_buffer_create(gw_gl *device, const char *name, size_t size, const 
     glObjectLabel(GL_BUFFER, out->id, -1, out->name);
     if (as_texture) {
         glCreateTextures(GL_TEXTURE_BUFFER, 1, &out->texture);
-        glTextureBuffer(out->texture, as_texture, out->id);
+        glTextureBufferRange(out->texture, as_texture, out->id, 0, (GLsizeiptr)allocated);
         glObjectLabel(GL_TEXTURE, out->texture, -1, out->name);
     }
     code = gw_gl_check("making a buffer", error);
@@ -119,7 +124,7 @@ void gw_gl_buffer_finish(gw_gl_buffer *buffer) {
         glDeleteTextures(1, &buffer->texture);
     }
     if (buffer->id) {
-        glDeleteBuffers(1, &buffer->id);
+        gw_gl_pool_give(buffer->keeper, buffer->id, buffer->capacity);
     }
     *buffer = (gw_gl_buffer){0};
 }
@@ -157,7 +162,12 @@ gw_code gw_gl_buffer_read(const gw_gl_buffer *buffer, size_t offset, size_t size
 }
 
 void gw_gl_buffer_bind(const gw_gl_buffer *buffer, GLuint binding) {
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, buffer->id);
+    if (buffer->id) {
+        glBindBufferRange(GL_SHADER_STORAGE_BUFFER, binding, buffer->id, 0,
+                          (GLsizeiptr)rounded(buffer->size));
+    } else {
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, 0);
+    }
 }
 
 void gw_gl_texture_bind(const gw_gl_buffer *buffer, GLuint texture_unit) {

@@ -243,6 +243,7 @@ void gw_gl_destroy(gw_gl **device) {
     }
     gw_gl *gone = *device;
     if (gone->context != EGL_NO_CONTEXT) {
+        gw_gl_pool_stop(gone);
         gw_gl_programs_finish(gone);
         eglMakeCurrent(gone->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
         eglDestroyContext(gone->display, gone->context);

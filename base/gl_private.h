@@ -12,6 +12,19 @@ typedef struct gw_gl_cached_program {
     GLuint id;
 } gw_gl_cached_program;
 
+/* Storage that waits for its next buffer. */
+typedef struct gw_gl_idle {
+    GLuint id;
+    size_t capacity;
+} gw_gl_idle;
+
+typedef struct gw_gl_pool {
+    int on;
+    gw_gl_idle *idle;
+    size_t idle_count, idle_capacity;
+    uint64_t made, reused;
+} gw_gl_pool;
+
 struct gw_gl {
     EGLDisplay display;
     EGLContext context;
@@ -20,9 +33,16 @@ struct gw_gl {
     char *shader_folder; /* NULL: embedded */
     gw_gl_cached_program *programs;
     size_t program_count, program_capacity;
+    gw_gl_pool pool;
 };
 
 /* Deletes all programs and frees the cache. */
 void gw_gl_programs_finish(gw_gl *device);
+
+/* Storage for at least `size` bytes: idle storage that is not much larger if there is some, or new. *id is 0
+ * when the GPU has no room. */
+void gw_gl_pool_take(gw_gl *device, size_t size, GLuint *id, size_t *capacity);
+/* Takes storage back, or deletes it. */
+void gw_gl_pool_give(gw_gl *device, GLuint id, size_t capacity);
 
 #endif

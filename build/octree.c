@@ -136,15 +136,40 @@ static gw_code count_arrays(const gw_octree_builder *builder, gw_octree *octree,
     return GW_OK;
 }
 
+/* Zeroed rows in *array, which has `room` of them (0 for none). */
+static gw_code renew(void *array_address, uint32_t room, uint32_t wanted, uint32_t count, size_t row,
+                     const char *what, gw_error *error) {
+    void **array = array_address;
+    if (*array && count <= room) {
+        memset(*array, 0, count * row);
+        return GW_OK;
+    }
+    free(*array);
+    return gw_allocate(array, wanted, row, what, error);
+}
+
+/* An octree that is built again gets an eighth more than it needs when it has to grow. */
+static uint32_t room_for(uint32_t room, uint32_t count) {
+    return room == 0 ? count : count <= room ? room : count + count / 8;
+}
+
 gw_code gw_octree_allocate(gw_octree *octree, gw_error *error) {
-    gw_code code = gw_allocate((void **)&octree->nodes, octree->node_count, sizeof *octree->nodes,
-                               "octree nodes", error);
+    const uint32_t nodes = room_for(octree->node_room, octree->node_count),
+                   references = room_for(octree->reference_room, octree->reference_count);
+    gw_code code = renew(&octree->nodes, octree->node_room, nodes, octree->node_count, sizeof *octree->nodes,
+                         "octree nodes", error);
     if (code == GW_OK)
-        code = gw_allocate((void **)&octree->payloads, octree->node_count, sizeof *octree->payloads,
-                           "octree payloads", error);
+        code = renew(&octree->payloads, octree->node_room, nodes, octree->node_count,
+                     sizeof *octree->payloads, "octree payloads", error);
     if (code == GW_OK)
-        code = gw_allocate((void **)&octree->references, octree->reference_count, sizeof *octree->references,
-                           "octree references", error);
+        code = renew(&octree->references, octree->reference_room, references, octree->reference_count,
+                     sizeof *octree->references, "octree references", error);
+    if (octree->emissions && nodes != octree->node_room) { /* made by the payload, where light is emitted */
+        free(octree->emissions);
+        octree->emissions = NULL;
+    }
+    octree->node_room = nodes;
+    octree->reference_room = references;
     return code;
 }
 
@@ -191,6 +216,16 @@ void gw_octree_builder_finish(gw_octree_builder *builder) {
     }
     gw_gl_buffer_finish(&builder->triangles);
     gw_gl_buffer_finish(&builder->topology);
+    gw_payload_inputs_finish(&builder->inputs);
+}
+
+void gw_octree_builder_reset(gw_octree_builder *builder, const gw_scene *scene) {
+    for (uint32_t l = 0; l <= GW_OCTREE_MAXIMUM_DEPTH; ++l)
+        builder->levels[l].node_count = builder->levels[l].reference_count = 0;
+    gw_gl_buffer_finish(&builder->triangles);
+    gw_gl_buffer_finish(&builder->topology);
+    builder->statistics = (gw_octree_statistics){0};
+    builder->scene = scene;
 }
 
 void gw_octree_hash(gw_octree *octree) {
@@ -208,7 +243,7 @@ static double milliseconds_since(int64_t start) {
     return (double)(gw_now_ns() - start) * 1e-6;
 }
 
-static gw_code run_stages(gw_octree_builder *builder, gw_octree *octree, gw_error *error) {
+gw_code gw_octree_run(gw_octree_builder *builder, gw_octree *octree, gw_error *error) {
     int64_t start = gw_now_ns();
     double refine_ms, assemble_ms;
     gw_code code = gw_octree_upload(builder, error);
@@ -255,7 +290,7 @@ gw_code gw_octree_build(gw_gl *device, const gw_scene *scene, const gw_octree_op
     if (code != GW_OK)
         return code;
     octree->depth = builder.depth;
-    code = run_stages(&builder, octree, error);
+    code = gw_octree_run(&builder, octree, error);
     gw_octree_builder_finish(&builder);
     if (code != GW_OK) {
         gw_octree_destroy(&octree);

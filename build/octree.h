@@ -42,6 +42,7 @@ typedef struct gw_octree {
     uint32_t node_count, reference_count;
     uint32_t
         level_begin[GW_OCTREE_MAXIMUM_DEPTH + 2]; /* first node of each level; [depth + 1] is node_count */
+    uint32_t node_room, reference_room;           /* that the arrays have, where they are owned */
     gw_node *nodes;                               /* [node_count] */
     gw_payload *payloads;                         /* [node_count] */
     uint32_t *references;                         /* [reference_count], entry 0 reserved */
@@ -63,6 +64,18 @@ typedef struct gw_octree_options {
 gw_code gw_octree_build(gw_gl *device, const gw_scene *scene, const gw_octree_options *options,
                         gw_octree **out, gw_error *error);
 void gw_octree_destroy(gw_octree **octree);
+
+/* Builds of one scene in pose after pose, on one device. Every build's bytes are those of gw_octree_build for
+ * that pose. Storage on the GPU is taken from the device's pool (gw_gl_pool_start) if it is on, arrays of the
+ * host are used again while they have room. */
+typedef struct gw_octree_rebuilder gw_octree_rebuilder;
+gw_code gw_octree_rebuilder_create(gw_gl *device, const gw_octree_options *options, gw_octree_rebuilder **out,
+                                   gw_error *error);
+/* scene: the same at every call but for positions and normals. *out belongs to the rebuilder, until the next
+ * call. */
+gw_code gw_octree_rebuild(gw_octree_rebuilder *rebuilder, const gw_scene *scene, const gw_octree **out,
+                          gw_error *error);
+void gw_octree_rebuilder_destroy(gw_octree_rebuilder **rebuilder);
 
 /* Every structural invariant, on the GPU (a debug shader): popcount and bases, siblings packed, list ends,
  * ids in range, every leaf's cell overlapped by its triangles, payload finite and conserving area. GW_MACHINE

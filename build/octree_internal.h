@@ -18,16 +18,23 @@ typedef struct gw_octree_level {
     uint32_t *references;
 } gw_octree_level;
 
+/* What the payload's kernels read besides positions and normals: the same for every pose of a scene. */
+typedef struct gw_payload_inputs {
+    gw_gl_buffer faces, materials, chains, texels, thresholds;
+    int ready;
+} gw_payload_inputs;
+
 typedef struct gw_octree_builder {
     gw_gl *device;
     const gw_scene *scene;
     const gw_settings *settings;
     const gw_log *log;
     uint32_t depth;
-    uint64_t pair_limit;    /* pairs in one buffer */
-    uint64_t cell_limit;    /* cells refined at once */
-    gw_gl_buffer triangles; /* RGBA32F, 3 texels: vertices; w: component's longest side, its triangles, 0 */
-    gw_gl_buffer topology;  /* RGBA32UI: three welded vertices, component */
+    uint64_t pair_limit;      /* pairs in one buffer */
+    uint64_t cell_limit;      /* cells refined at once */
+    gw_gl_buffer triangles;   /* RGBA32F, 3 texels: vertices; w: component's longest side, its triangles, 0 */
+    gw_gl_buffer topology;    /* RGBA32UI: three welded vertices, component */
+    gw_payload_inputs inputs; /* made when they are first asked for */
     gw_octree_level levels[GW_OCTREE_MAXIMUM_DEPTH + 1];
     gw_octree_statistics statistics;
     uint32_t split_level;         /* level at which the cells of parts lie */
@@ -46,7 +53,15 @@ void gw_octree_builder_init(gw_octree_builder *builder, gw_gl *device, const gw_
                             const gw_octree_options *options);
 void gw_octree_builder_finish(gw_octree_builder *builder);
 
-/* Allocates nodes, payloads and references by octree's counts, all zero. */
+/* Makes it ready for another build, of the same scene in another pose; keeps inputs and the levels' room. */
+void gw_octree_builder_reset(gw_octree_builder *builder, const gw_scene *scene);
+void gw_payload_inputs_finish(gw_payload_inputs *inputs);
+
+/* All stages of a build of the whole tree, into an empty octree or one that is built again. */
+gw_code gw_octree_run(gw_octree_builder *builder, gw_octree *octree, gw_error *error);
+
+/* Makes nodes, payloads and references of octree's counts, all zero; what is there is used again where it has
+ * room. */
 gw_code gw_octree_allocate(gw_octree *octree, gw_error *error);
 
 /* Uploads triangles and topology. */

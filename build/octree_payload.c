@@ -22,7 +22,7 @@ enum {
 typedef struct payload_stage {
     gw_octree_builder *builder;
     gw_octree *octree;
-    gw_gl_buffer references, faces, vertices, materials, chains, texels, thresholds;
+    gw_gl_buffer references, vertices;
     gw_gl_buffer sums, below; /* [node of the level][rows] of the present level and the one below it */
     GLuint leaf_program, inner_program, encode_program;
     uint32_t window_nodes; /* nodes whose sums fit in one storage block */
@@ -30,11 +30,17 @@ typedef struct payload_stage {
 } payload_stage;
 
 static void finish_stage(payload_stage *stage) {
-    gw_gl_buffer *all[] = {&stage->references, &stage->faces,      &stage->vertices,
-                           &stage->materials,  &stage->chains,     &stage->texels,
-                           &stage->sums,       &stage->thresholds, &stage->below};
+    gw_gl_buffer *all[] = {&stage->references, &stage->vertices, &stage->sums, &stage->below};
     for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
         gw_gl_buffer_finish(all[i]);
+}
+
+void gw_payload_inputs_finish(gw_payload_inputs *inputs) {
+    gw_gl_buffer *all[] = {&inputs->faces, &inputs->materials, &inputs->chains, &inputs->texels,
+                           &inputs->thresholds};
+    for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
+        gw_gl_buffer_finish(all[i]);
+    inputs->ready = 0;
 }
 
 static uint32_t pack_color(const uint8_t *rgba) {
@@ -46,28 +52,32 @@ static uint32_t pack_color(const uint8_t *rgba) {
 static gw_code upload_faces(payload_stage *stage, gw_error *error) {
     const gw_scene *scene = stage->builder->scene;
     uint32_t(*faces)[4] = NULL;
-    uint32_t(*vertices)[2][4] = NULL;
     gw_code code = gw_allocate((void **)&faces, scene->triangle_count, sizeof *faces, "faces", error);
-    if (code == GW_OK)
-        code = gw_allocate((void **)&vertices, scene->vertex_count, sizeof *vertices, "vertices", error);
     for (uint32_t t = 0; code == GW_OK && t < scene->triangle_count; ++t) {
         memcpy(faces[t], scene->triangles[t], sizeof scene->triangles[t]);
         faces[t][3] = scene->material_of[t];
     }
+    if (code == GW_OK)
+        code = gw_gl_buffer_create(stage->builder->device, "build faces",
+                                   (size_t)scene->triangle_count * sizeof *faces, faces, GL_RGBA32UI,
+                                   &stage->builder->inputs.faces, error);
+    free(faces);
+    return code;
+}
+
+static gw_code upload_vertices(payload_stage *stage, gw_error *error) {
+    const gw_scene *scene = stage->builder->scene;
+    uint32_t(*vertices)[2][4] = NULL;
+    gw_code code = gw_allocate((void **)&vertices, scene->vertex_count, sizeof *vertices, "vertices", error);
     for (uint32_t v = 0; code == GW_OK && v < scene->vertex_count; ++v) {
         memcpy(vertices[v][0], scene->normals + (size_t)v * 3, 3 * sizeof(float));
         vertices[v][0][3] = pack_color(scene->colors ? scene->colors + (size_t)v * 4 : NULL);
         memcpy(vertices[v][1], scene->texcoords + (size_t)v * 2, 2 * sizeof(float));
     }
     if (code == GW_OK)
-        code = gw_gl_buffer_create(stage->builder->device, "build faces",
-                                   (size_t)scene->triangle_count * sizeof *faces, faces, GL_RGBA32UI,
-                                   &stage->faces, error);
-    if (code == GW_OK)
         code = gw_gl_buffer_create(stage->builder->device, "build vertices",
                                    (size_t)scene->vertex_count * sizeof *vertices, vertices, GL_RGBA32UI,
                                    &stage->vertices, error);
-    free(faces);
     free(vertices);
     return code;
 }
@@ -102,13 +112,13 @@ static gw_code upload_materials(payload_stage *stage, gw_error *error) {
     gw_gl *device = stage->builder->device;
     if (code == GW_OK)
         code = gw_gl_buffer_create(device, "build materials", scene->material_count * sizeof *materials,
-                                   materials, GL_RGBA32F, &stage->materials, error);
+                                   materials, GL_RGBA32F, &stage->builder->inputs.materials, error);
     if (code == GW_OK)
         code = gw_gl_buffer_create(device, "texture links", scene->material_count * sizeof *links, links,
-                                   GL_RGBA32UI, &stage->chains, error);
+                                   GL_RGBA32UI, &stage->builder->inputs.chains, error);
     if (code == GW_OK)
         code = gw_gl_buffer_create(device, "texture chains", chains.texel_count * sizeof *chains.texels,
-                                   chains.texels, GL_RG32UI, &stage->texels, error);
+                                   chains.texels, GL_RG32UI, &stage->builder->inputs.texels, error);
     gw_texture_chains_finish(&chains);
     free(materials);
     free(links);
@@ -124,7 +134,7 @@ static gw_code upload_thresholds(payload_stage *stage, gw_error *error) {
         thresholds[i] = (float)(v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4));
     }
     return gw_gl_buffer_create(stage->builder->device, "sRGB thresholds", sizeof thresholds, thresholds, 0,
-                               &stage->thresholds, error);
+                               &stage->builder->inputs.thresholds, error);
 }
 
 /* Whether a material that some triangle has emits light. */
@@ -148,6 +158,19 @@ static void leaf_defines(const gw_scene *scene, const char *common, char *text, 
              textures ? "#define GW_TEXTURES 1\n" : "", scene->colors ? "#define GW_COLORS 1\n" : "");
 }
 
+static gw_code upload_inputs(payload_stage *stage, gw_error *error) {
+    gw_code code = upload_faces(stage, error);
+    if (code == GW_OK)
+        code = upload_materials(stage, error);
+    if (code == GW_OK)
+        code = upload_thresholds(stage, error);
+    if (code == GW_OK)
+        stage->builder->inputs.ready = 1;
+    else
+        gw_payload_inputs_finish(&stage->builder->inputs);
+    return code;
+}
+
 static gw_code start_stage(payload_stage *stage, gw_error *error) {
     gw_gl *device = stage->builder->device;
     int emits = scene_emits(stage->builder->scene);
@@ -163,7 +186,7 @@ static gw_code start_stage(payload_stage *stage, gw_error *error) {
     leaf_defines(stage->builder->scene, common, defines, sizeof defines);
     gw_code code = gw_gl_program(device, "build/payload_leaf.comp", defines, &stage->leaf_program, error);
     if (code == GW_OK && emits && !stage->octree->emissions)
-        code = gw_allocate((void **)&stage->octree->emissions, stage->octree->node_count,
+        code = gw_allocate((void **)&stage->octree->emissions, stage->octree->node_room,
                            sizeof *stage->octree->emissions, "emissions of voxels", error);
     if (code == GW_OK)
         code = gw_gl_program(device, "build/payload_inner.comp", common, &stage->inner_program, error);
@@ -173,10 +196,8 @@ static gw_code start_stage(payload_stage *stage, gw_error *error) {
         code = gw_gl_buffer_create(device, "references", (size_t)gw_octree_reference_bytes(stage->octree),
                                    stage->octree->references, GL_R32UI, &stage->references, error);
     if (code == GW_OK)
-        code = upload_faces(stage, error);
-    if (code == GW_OK)
-        code = upload_materials(stage, error);
-    return code == GW_OK ? upload_thresholds(stage, error) : code;
+        code = upload_vertices(stage, error);
+    return code == GW_OK && !stage->builder->inputs.ready ? upload_inputs(stage, error) : code;
 }
 
 /* The sums of nodes [first, first + count) of the level as storage binding 0. */
@@ -240,9 +261,10 @@ static uint32_t leaf_jobs(const payload_stage *stage, uint32_t level, uint32_t f
 
 static gw_code sum_leaves(payload_stage *stage, uint32_t level, uint32_t first, uint32_t count,
                           uint32_t (*jobs)[4], gw_error *error) {
+    const gw_payload_inputs *inputs = &stage->builder->inputs;
     const gw_gl_buffer *textures[] = {
-        &stage->builder->triangles, &stage->references, &stage->faces, &stage->vertices,
-        &stage->materials,          &stage->chains,     &stage->texels};
+        &stage->builder->triangles, &stage->references, &inputs->faces, &stage->vertices,
+        &inputs->materials,         &inputs->chains,    &inputs->texels};
     gw_code code = GW_OK;
     int more = 1;
     for (GLuint unit = 0; unit < sizeof textures / sizeof *textures; ++unit)
@@ -288,7 +310,7 @@ static gw_code encode(payload_stage *stage, uint32_t level, uint32_t first, uint
                                    &emissions, error);
     if (code == GW_OK) {
         glProgramUniform1ui(stage->encode_program, LOCATION_JOB_COUNT, count);
-        gw_gl_buffer_bind(&stage->thresholds, 1);
+        gw_gl_buffer_bind(&stage->builder->inputs.thresholds, 1);
         gw_gl_buffer_bind(&words, 2);
         if (octree->emissions)
             gw_gl_buffer_bind(&emissions, 3);

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "build/block.h"
+#include "build/pack_animation.h"
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -21,6 +22,7 @@ typedef enum section {
     LIGHTS,
     VIEWPOINTS,
     WELDED,
+    ANIMATION, /* a block of its own; empty when nothing moves */
     PATH,
     SECTION_COUNT
 } section;
@@ -45,12 +47,12 @@ typedef struct header {
 } header;
 
 static const gw_block_head kind = {
-    .magic = {'G', 'W', 'S', 'C', 'E', 'N', 'E', ' '}, .version = 3, .section_count = SECTION_COUNT};
+    .magic = {'G', 'W', 'S', 'C', 'E', 'N', 'E', ' '}, .version = 4, .section_count = SECTION_COUNT};
 static const char what[] = "the shared scene";
 
 /* Sizes of all sections from the counts of a header; the reader compares with what the block claims. */
-static void section_sizes(const header *head, uint64_t pixel_bytes, uint64_t path_bytes,
-                          uint64_t sizes[SECTION_COUNT]) {
+static void section_sizes(const header *head, uint64_t pixel_bytes, uint64_t animation_bytes,
+                          uint64_t path_bytes, uint64_t sizes[SECTION_COUNT]) {
     const uint64_t vertices = head->vertex_count, triangles = head->triangle_count;
     sizes[POSITIONS] = vertices * 3 * sizeof(float);
     sizes[NORMALS] = vertices * 3 * sizeof(float);
@@ -64,6 +66,7 @@ static void section_sizes(const header *head, uint64_t pixel_bytes, uint64_t pat
     sizes[LIGHTS] = head->light_count * sizeof(gw_light);
     sizes[VIEWPOINTS] = head->viewpoint_count * sizeof(gw_viewpoint);
     sizes[WELDED] = vertices * sizeof(uint32_t);
+    sizes[ANIMATION] = animation_bytes;
     sizes[PATH] = path_bytes;
 }
 
@@ -93,7 +96,8 @@ static void make_header(const gw_scene *scene, header *head) {
     uint64_t pixel_bytes = 0, sizes[SECTION_COUNT];
     for (uint32_t i = 0; i < scene->texture_count; i++)
         pixel_bytes += gw_block_align(texture_bytes(&scene->textures[i]));
-    section_sizes(head, pixel_bytes, scene->path ? strlen(scene->path) + 1 : 1, sizes);
+    section_sizes(head, pixel_bytes, scene->animation ? gw_pack_animation_size(scene->animation) : 0,
+                  scene->path ? strlen(scene->path) + 1 : 1, sizes);
     for (int i = 0; i < SECTION_COUNT; i++)
         head->sections[i].size = sizes[i];
     head->head.size = gw_block_place(sizeof *head, head->sections, SECTION_COUNT);
@@ -140,6 +144,8 @@ void gw_pack_scene(const gw_scene *scene, void *block) {
         if (arrays[i])
             gw_block_put(block, &head.sections[i], arrays[i]);
     put_textures(block, &head, scene);
+    if (scene->animation)
+        gw_pack_animation(scene->animation, (uint8_t *)block + head.sections[ANIMATION].offset);
 }
 
 /* --- reading back
@@ -151,7 +157,8 @@ static gw_code broken(gw_error *error, const char *why) {
 
 static gw_code check_sections(const uint8_t *block, size_t size, const header *head, gw_error *error) {
     uint64_t sizes[SECTION_COUNT];
-    section_sizes(head, head->sections[PIXELS].size, head->sections[PATH].size, sizes);
+    section_sizes(head, head->sections[PIXELS].size, head->sections[ANIMATION].size,
+                  head->sections[PATH].size, sizes);
     gw_code code = gw_block_check_spans(head->sections, sizes, SECTION_COUNT, size, what, error);
     const gw_block_span *path = &head->sections[PATH];
     if (!code && (path->size < 1 || block[path->offset + path->size - 1]))
@@ -203,6 +210,16 @@ static gw_code view_textures(uint8_t *block, const header *head, gw_unpacked_sce
     return GW_OK;
 }
 
+static gw_code view_animation(const uint8_t *block, const header *head, gw_scene *scene, gw_error *error) {
+    const gw_block_span *span = &head->sections[ANIMATION];
+    if (span->size == 0)
+        return GW_OK;
+    gw_code code = gw_unpack_animation(block + span->offset, span->size, &scene->animation, error);
+    if (!code && scene->animation->vertex_count != scene->vertex_count)
+        code = broken(error, "its animation is of other vertices");
+    return code;
+}
+
 static void view_scene(uint8_t *block, const header *head, gw_scene *scene) {
 #define AT(part) ((void *)(block + head->sections[part].offset))
     scene->path = AT(PATH);
@@ -250,6 +267,8 @@ gw_code gw_unpack_scene(const void *block, size_t size, gw_unpacked_scene *out, 
     view_scene(bytes, &head, &out->scene);
     code = view_textures(bytes, &head, out, error);
     if (!code)
+        code = view_animation(bytes, &head, &out->scene, error);
+    if (!code)
         code = check_indices(&out->scene, error);
     if (code)
         gw_unpacked_scene_finish(out);
@@ -258,5 +277,6 @@ gw_code gw_unpack_scene(const void *block, size_t size, gw_unpacked_scene *out, 
 
 void gw_unpacked_scene_finish(gw_unpacked_scene *unpacked) {
     free(unpacked->textures);
+    gw_animation_destroy(&unpacked->scene.animation);
     memset(unpacked, 0, sizeof *unpacked);
 }

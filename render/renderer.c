@@ -37,7 +37,10 @@ gw_code gw_renderer_create(gw_gl *device, const gw_scene *scene, const gw_octree
         renderer->loop_budget = LEAST_LOOP_BUDGET; /* a ray must get from the root to its cell and on */
     renderer->scene_features = gw_features_of_scene(scene, octree);
     renderer->forced_features = options->force_features;
-    code = gw_scene_buffers_init(device, scene, octree, &renderer->buffers, error);
+    if (scene->animation && options->settings)
+        code = gw_moving_create(device, scene, options->settings, options->log, &renderer->moving, error);
+    if (!code)
+        code = gw_scene_buffers_init(device, scene, octree, &renderer->buffers, error);
     if (!code)
         code = gw_gl_buffer_create(device, "totals", GW_TOTAL_WORDS * sizeof(uint32_t), NULL, 0,
                                    &renderer->totals, error);
@@ -66,6 +69,7 @@ void gw_renderer_destroy(gw_renderer **renderer) {
     gw_renderer *r = *renderer;
     gw_ray_buffers_finish(&r->rays);
     gw_scene_buffers_finish(&r->buffers);
+    gw_moving_destroy(&r->moving);
     gw_gl_buffer_finish(&r->totals);
     gw_gl_buffer_finish(&r->frame);
     gw_gl_buffer_finish(&r->given_rays);
@@ -194,10 +198,13 @@ gw_code gw_renderer_report(const gw_renderer *renderer, json_t *report, gw_error
     json_t *effects = failed ? NULL
                              : json_pack("{s:O, s:O, s:O, s:[]}", "run", run, "skipped", skipped, "forced",
                                          forced, "forbidden");
+    json_t *rebuild = effects && renderer->moving ? gw_moving_report(renderer->moving) : NULL;
+    if (effects && renderer->moving)
+        failed = json_object_set_new(report, "rebuild", rebuild);
     json_decref(run);
     json_decref(skipped);
     json_decref(forced);
-    if (!effects || json_object_set_new(report, "effects", effects))
+    if (!effects || failed || json_object_set_new(report, "effects", effects))
         return gw_fail(error, GW_MACHINE, "no memory for the report of effects");
     return GW_OK;
 }

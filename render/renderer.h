@@ -1,6 +1,7 @@
 /* The renderer: octree + frame state -> the pixels of one rectangle of a plane.
  *
- * Holds the scene and octree on the GPU (uploaded once), the specialised kernels, and the buffers of the
+ * Holds the scene and octree on the GPU (uploaded once; a scene that moves for
+ * each new time), the specialised kernels, and the buffers of the
  * largest rectangle asked for so far. Pixels are a function of (scene, octree, placement, plane, wall-global
  * pixel, frame state) only. Belongs to the thread of its GL device. Scene and octree are borrowed until
  * destroy. */
@@ -36,6 +37,9 @@ typedef struct gw_renderer_options {
      * Software GL ends all loops of a group of up to 16 lanes after 65,535 iterations, so 4,095 is the most
      * that is safe there. */
     uint32_t loop_budget;
+    /* Of the octree's build: an animated scene is rebuilt with them for each frame's time. NULL: it stays at
+     * time 0, and so does a scene without animation, for which nothing is made. */
+    const gw_settings *settings;
     uint32_t force_features; /* gw_feature bits to compile in although nothing calls for them: same pixels */
     const gw_log *log;
 } gw_renderer_options;
@@ -81,7 +85,8 @@ gw_code gw_renderer_trace_variant(gw_renderer *renderer, const gw_trace_variant 
                                   size_t ray_count, gw_hit *hits, gw_counters *counters, double *milliseconds,
                                   gw_error *error);
 
-/* Adds "effects": {run, skipped: [{name, why}], forced, forbidden} to a report. */
+/* Adds "effects": {run, skipped: [{name, why}], forced, forbidden} to a report, and for a scene that moves
+ * "rebuild" (render/moving.h). */
 gw_code gw_renderer_report(const gw_renderer *renderer, json_t *report, gw_error *error);
 /* Bytes on the GPU. */
 uint64_t gw_renderer_bytes(const gw_renderer *renderer);

@@ -246,6 +246,21 @@ static gw_code render_chunks(frame_job *job, gw_error *error) {
     return code;
 }
 
+/* A scene that moves is put where it is at the frame's time. */
+static gw_code move_scene(gw_renderer *renderer, int64_t time, gw_error *error) {
+    if (!renderer->moving || renderer->time == time)
+        return GW_OK;
+    gw_code code = gw_moving_to(renderer->moving, time, &renderer->scene, &renderer->octree, error);
+    if (!code)
+        code = gw_scene_buffers_move(renderer->device, renderer->scene, renderer->octree, &renderer->buffers,
+                                     error);
+    if (code)
+        return gw_context(error, "moving the scene to %.3f s", (double)time * 1e-9);
+    renderer->time = time;
+    renderer->scene_features = gw_features_of_scene(renderer->scene, renderer->octree);
+    return GW_OK;
+}
+
 gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement, const gw_plane *plane,
                           const gw_rectangle *rectangle, const gw_frame_state *state, uint8_t *rgba,
                           gw_counters *counters, gw_error *error) {
@@ -260,8 +275,10 @@ gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement,
             rectangle->width, rectangle->height, rectangle->x, rectangle->y);
     frame_job job = {.renderer = renderer, .rectangle = rectangle, .rgba = rgba};
     uint32_t dropped = 0;
-    gw_code code = gw_frame_block_fill(renderer->scene, renderer->octree, placement, plane, state, &job.block,
-                                       &dropped, error);
+    gw_code code = move_scene(renderer, state->time, error);
+    if (!code)
+        code = gw_frame_block_fill(renderer->scene, renderer->octree, placement, plane, state, &job.block,
+                                   &dropped, error);
     if (code)
         return code;
     if (dropped > 0)

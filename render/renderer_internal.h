@@ -3,6 +3,7 @@
 #define GW_RENDER_RENDERER_INTERNAL_H
 
 #include "render/features.h"
+#include "render/moving.h"
 #include "render/renderer.h"
 #include "render/scene_buffers.h"
 #include "render/sparse.h"
@@ -37,8 +38,10 @@ typedef struct gw_ray_buffers {
 
 struct gw_renderer {
     gw_gl *device;
-    const gw_scene *scene;
-    const gw_octree *octree;
+    const gw_scene *scene;   /* at `time`, if it moves */
+    const gw_octree *octree; /* of that */
+    gw_moving *moving;       /* NULL unless the scene moves */
+    int64_t time;            /* ns, for which scene and octree stand */
     const gw_log *log;
     int count;
     uint32_t loop_budget;

@@ -31,31 +31,36 @@ static int needs_alpha(const gw_material *material) {
 static gw_code upload_triangles(gw_gl *device, const gw_scene *scene, gw_scene_buffers *out,
                                 gw_error *error) {
     size_t count = scene->triangle_count;
-    void *memory = NULL, *face_memory = NULL;
+    void *memory = NULL;
     gw_code code = gw_allocate(&memory, count, sizeof(gw_gpu_triangle), "triangles for the GPU", error);
-    if (!code)
-        code = gw_allocate(&face_memory, count, sizeof(gw_gpu_face), "faces for the GPU", error);
     gw_gpu_triangle *triangles = memory;
-    gw_gpu_face *faces = face_memory;
     for (size_t i = 0; !code && i < count; ++i) {
-        const gw_material *material = &scene->materials[scene->material_of[i]];
-        for (int k = 0; k < 3; ++k) {
-            uint32_t vertex = scene->triangles[i][k];
-            memcpy(triangles[i].vertex[k], scene->positions + (size_t)vertex * 3, 3 * sizeof(float));
-            faces[i].vertex[k] = vertex;
-        }
-        faces[i].material = scene->material_of[i];
-        uint32_t flags = needs_alpha(material) ? GW_TRIANGLE_ALPHA : 0;
+        uint32_t flags = needs_alpha(&scene->materials[scene->material_of[i]]) ? GW_TRIANGLE_ALPHA : 0;
+        for (int k = 0; k < 3; ++k)
+            memcpy(triangles[i].vertex[k], scene->positions + (size_t)scene->triangles[i][k] * 3,
+                   3 * sizeof(float));
         memcpy(&triangles[i].vertex[0][3], &flags, sizeof flags);
     }
     if (!code)
         code = gw_gl_buffer_create(device, "triangles", count * sizeof *triangles, triangles, GL_RGBA32UI,
                                    &out->triangles, error);
+    free(memory);
+    return code;
+}
+
+static gw_code upload_faces(gw_gl *device, const gw_scene *scene, gw_scene_buffers *out, gw_error *error) {
+    size_t count = scene->triangle_count;
+    void *memory = NULL;
+    gw_code code = gw_allocate(&memory, count, sizeof(gw_gpu_face), "faces for the GPU", error);
+    gw_gpu_face *faces = memory;
+    for (size_t i = 0; !code && i < count; ++i) {
+        memcpy(faces[i].vertex, scene->triangles[i], sizeof faces[i].vertex);
+        faces[i].material = scene->material_of[i];
+    }
     if (!code)
         code = gw_gl_buffer_create(device, "faces", count * sizeof *faces, faces, GL_RGBA32UI, &out->faces,
                                    error);
     free(memory);
-    free(face_memory);
     return code;
 }
 
@@ -164,6 +169,8 @@ gw_code gw_scene_buffers_init(gw_gl *device, const gw_scene *scene, const gw_oct
     if (!code)
         code = upload_triangles(device, scene, out, error);
     if (!code)
+        code = upload_faces(device, scene, out, error);
+    if (!code)
         code = upload_vertices(device, scene, out, error);
     if (!code)
         code = gw_texture_set_init(device, scene, &out->textures, error);
@@ -173,6 +180,20 @@ gw_code gw_scene_buffers_init(gw_gl *device, const gw_scene *scene, const gw_oct
         code = upload_lights(device, scene, out, error);
     if (code)
         gw_scene_buffers_finish(out);
+    return code;
+}
+
+gw_code gw_scene_buffers_move(gw_gl *device, const gw_scene *scene, const gw_octree *octree,
+                              gw_scene_buffers *buffers, gw_error *error) {
+    gw_gl_buffer *all[] = {&buffers->nodes,     &buffers->references, &buffers->payloads,
+                           &buffers->emissions, &buffers->triangles,  &buffers->vertices};
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
+        gw_gl_buffer_finish(all[i]);
+    gw_code code = upload_octree(device, octree, buffers, error);
+    if (!code)
+        code = upload_triangles(device, scene, buffers, error);
+    if (!code)
+        code = upload_vertices(device, scene, buffers, error);
     return code;
 }
 

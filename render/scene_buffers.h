@@ -19,6 +19,9 @@ typedef struct gw_scene_buffers {
 
 gw_code gw_scene_buffers_init(gw_gl *device, const gw_scene *scene, const gw_octree *octree,
                               gw_scene_buffers *out, gw_error *error);
+/* The same scene in another pose, with its octree: what depends on it is uploaded again. */
+gw_code gw_scene_buffers_move(gw_gl *device, const gw_scene *scene, const gw_octree *octree,
+                              gw_scene_buffers *buffers, gw_error *error);
 void gw_scene_buffers_finish(gw_scene_buffers *buffers);
 /* Binds everything to the texture units that the shaders name (trace/fetch.glsl, shade/surface.glsl). */
 void gw_scene_buffers_bind(const gw_scene_buffers *buffers, uint32_t texture_filter);

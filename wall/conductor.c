@@ -125,6 +125,8 @@ gw_code gw_conductor_describe(gw_conductor *conductor, const struct gw_rank *ran
     const gw_scene *scene = model->scene;
     const gw_octree *octree = model->octree;
     const gw_gl_limits *limits = gw_gl_limits_of(model->device);
+    if (rank->options.step < 0 && !conductor->track && scene->animation)
+        conductor->step = 1000000000 / 30; /* nothing else tells the pace at which it plays */
     gw_report_device(conductor->report, limits);
     gw_report_scene(conductor->report, scene, model->import_ms);
     gw_report_octree(conductor->report, octree, scene, limits, model->build_ms, model->from_cache);

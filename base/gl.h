@@ -76,8 +76,9 @@ gw_code gw_gl_buffer_read(const gw_gl_buffer *buffer, size_t offset, size_t size
 void gw_gl_buffer_bind(const gw_gl_buffer *buffer, GLuint binding);       /* as shader storage */
 void gw_gl_texture_bind(const gw_gl_buffer *buffer, GLuint texture_unit); /* its buffer texture */
 
-/* The pool: storage of finished buffers is kept for buffers to come of about the same size. For work that is
- * done anew for every frame; off until asked for, and only buffers made while it is on take part. */
+/* The pool: storage of finished buffers is kept for buffers to come of about the same size (up to a quarter
+ * is wasted). For work that is done anew for every frame; off until asked for, and only buffers made while it
+ * is on take part. */
 typedef struct gw_gl_pool_counts {
     uint64_t made, reused; /* buffers since the device was made: with fresh storage, with that of another */
     uint64_t idle_bytes;   /* kept for buffers to come */

@@ -5,42 +5,28 @@
 
 #include <stdlib.h>
 
-/* New storage of a pool is larger than asked for by up to an eighth, so that a buffer which grows a little
- * finds its old storage again. */
-static size_t capacity_for(const gw_gl *device, size_t size) {
+/* Sizes come in classes, four to a power of two, and storage is used again within its class only: then work
+ * that is repeated needs nothing new, in whatever order it asks. */
+static size_t capacity_for(const gw_gl_pool *pool, size_t size) {
     size_t step = 16;
-    if (!device->pool.on)
+    if (!pool->on)
         return size;
-    while (step * 16 <= size)
+    while (step * 8 <= size)
         step *= 2;
     return (size + step - 1) / step * step;
 }
 
-/* The least idle storage that fits, unless most of it would be wasted; idle_count when there is none. */
-static size_t find_idle(const gw_gl_pool *pool, size_t size) {
-    enum { WASTE_THAT_IS_FINE = 1 << 16 };
-    size_t best = pool->idle_count;
-    for (size_t i = 0; i < pool->idle_count; i++) {
-        const size_t capacity = pool->idle[i].capacity;
-        if (capacity >= size && capacity / 2 <= size + WASTE_THAT_IS_FINE &&
-            (best == pool->idle_count || capacity < pool->idle[best].capacity))
-            best = i;
-    }
-    return best;
-}
-
 void gw_gl_pool_take(gw_gl *device, size_t size, GLuint *id, size_t *capacity) {
     gw_gl_pool *pool = &device->pool;
-    const size_t found = pool->on ? find_idle(pool, size) : pool->idle_count;
-    if (found < pool->idle_count) {
-        *id = pool->idle[found].id;
-        *capacity = pool->idle[found].capacity;
-        pool->idle[found] = pool->idle[--pool->idle_count];
-        pool->reused++;
-        glMemoryBarrier(GL_ALL_BARRIER_BITS); /* shaders may have written the buffer that it was */
-        return;
-    }
-    *capacity = capacity_for(device, size);
+    *capacity = capacity_for(pool, size);
+    for (size_t i = 0; i < pool->idle_count; i++)
+        if (pool->idle[i].capacity == *capacity) {
+            *id = pool->idle[i].id;
+            pool->idle[i] = pool->idle[--pool->idle_count];
+            pool->reused++;
+            glMemoryBarrier(GL_ALL_BARRIER_BITS); /* shaders may have written the buffer that it was */
+            return;
+        }
     glCreateBuffers(1, id);
     glNamedBufferStorage(*id, (GLsizeiptr)*capacity, NULL, GL_DYNAMIC_STORAGE_BIT);
     pool->made++;

@@ -39,7 +39,7 @@ struct gw_gl {
 /* Deletes all programs and frees the cache. */
 void gw_gl_programs_finish(gw_gl *device);
 
-/* Storage for at least `size` bytes: idle storage that is not much larger if there is some, or new. *id is 0
+/* Storage for at least `size` bytes: idle storage of its class if there is some, or new. *id is 0
  * when the GPU has no room. */
 void gw_gl_pool_take(gw_gl *device, size_t size, GLuint *id, size_t *capacity);
 /* Takes storage back, or deletes it. */

@@ -216,6 +216,56 @@ static void a_buffer_texture_shows_the_whole_buffer(void **state) {
     gw_gl_buffer_finish(&sum);
 }
 
+/* Storage comes back, larger than asked for and full of what was there: neither may be seen. */
+static void the_pool_gives_clean_buffers_of_their_size(void **state) {
+    (void)state;
+    enum { SIZE = 100000, SMALLER = 98316 };
+    put("size.comp", "layout(local_size_x = 1) in;\n"
+                     "layout(binding = 3) uniform usamplerBuffer texels;\n"
+                     "layout(std430, binding = 0) buffer rows { uint row[]; };\n"
+                     "void main() { row[0] = uint(row.length()); row[1] = uint(textureSize(texels)); }\n");
+    uint8_t *bytes = malloc(SIZE);
+    gw_gl_buffer buffer, texels;
+    GLuint program = 0;
+    assert_non_null(bytes);
+    check_ok(gw_gl_program(device, "size.comp", NULL, &program, &error));
+    gw_gl_pool_start(device);
+    memset(bytes, 0xee, SIZE);
+    check_ok(gw_gl_buffer_create(device, "dirty", SIZE, bytes, 0, &buffer, &error));
+    check_ok(gw_gl_buffer_create(device, "dirty too", SIZE, bytes, GL_R32UI, &texels, &error));
+    gw_gl_buffer_finish(&buffer);
+    gw_gl_buffer_finish(&texels);
+    const gw_gl_pool_counts before = gw_gl_pool_counts_of(device);
+    assert_true(before.idle_bytes >= 2 * SIZE && before.idle_bytes <= 5 * SIZE / 2);
+    check_ok(gw_gl_buffer_create(device, "clean", SMALLER, NULL, 0, &buffer, &error));
+    check_ok(gw_gl_buffer_create(device, "clean too", SMALLER, NULL, GL_R32UI, &texels, &error));
+    const gw_gl_pool_counts after = gw_gl_pool_counts_of(device);
+    assert_int_equal(after.made, before.made);
+    assert_int_equal(after.reused, before.reused + 2);
+    assert_int_equal(after.idle_bytes, 0);
+    check_ok(gw_gl_buffer_read(&buffer, 0, SMALLER, bytes, &error));
+    for (size_t i = 0; i < SMALLER; i++)
+        assert_int_equal(bytes[i], 0);
+    check_fails(gw_gl_buffer_read(&buffer, SMALLER, 1, bytes, &error), GW_MACHINE, "is outside");
+    gw_gl_buffer_bind(&buffer, 0);
+    gw_gl_texture_bind(&texels, 3);
+    check_ok(gw_gl_dispatch(device, program, 1, &error));
+    uint32_t counts[2];
+    check_ok(gw_gl_buffer_read(&buffer, 0, sizeof counts, counts, &error));
+    assert_int_equal(counts[0], (SMALLER + 15) / 16 * 4); /* whole granules of 16 bytes */
+    assert_int_equal(counts[1], (SMALLER + 15) / 16 * 4);
+    gw_gl_buffer other; /* far smaller: the large storage is not wasted on it */
+    gw_gl_buffer_finish(&texels);
+    check_ok(gw_gl_buffer_create(device, "small", 64, NULL, 0, &other, &error));
+    assert_int_equal(gw_gl_pool_counts_of(device).idle_bytes, before.idle_bytes / 2);
+    gw_gl_buffer_finish(&other);
+    gw_gl_pool_stop(device);
+    assert_int_equal(gw_gl_pool_counts_of(device).idle_bytes, 0);
+    gw_gl_buffer_finish(&buffer);
+    assert_int_equal(gw_gl_pool_counts_of(device).idle_bytes, 0);
+    free(bytes);
+}
+
 static void compile_errors_name_file_and_line(void **state) {
     (void)state;
     put("broken.comp", "layout(local_size_x = 1) in;\n#include \"broken.glsl\"\nvoid main() { wrong(); }\n");
@@ -297,6 +347,7 @@ int main(void) {
         cmocka_unit_test(too_many_groups_without_a_base_are_refused),
         cmocka_unit_test(a_program_is_compiled_once_per_defines),
         cmocka_unit_test(a_buffer_texture_shows_the_whole_buffer),
+        cmocka_unit_test(the_pool_gives_clean_buffers_of_their_size),
         cmocka_unit_test(compile_errors_name_file_and_line),
         cmocka_unit_test(gl_errors_are_reported_once),
         cmocka_unit_test(two_devices_live_side_by_side),

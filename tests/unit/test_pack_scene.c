@@ -1,7 +1,10 @@
 /* A scene as one block: everything comes back, equal input gives equal bytes, damage is noticed. */
 #include "tests/support/check.h"
 
+#include "build/animation.h"
 #include "build/pack_scene.h"
+
+#include <math.h>
 
 enum { VERTICES = 5, TRIANGLES = 3 };
 
@@ -139,6 +142,100 @@ static void no_colors_stay_none(void **state) {
     free(f);
 }
 
+/* A joint that moves one vertex along, in the fixture's scene. */
+static gw_animation *make_animation(void) {
+    static const double positions[VERTICES][3] = {{0}};
+    gw_animation *a = NULL;
+    check_ok(gw_animation_still(VERTICES, positions[0], NULL, &a, &error));
+    a->clips = calloc(1, sizeof *a->clips);
+    a->nodes = calloc(1, sizeof *a->nodes);
+    a->channels = calloc(1, sizeof *a->channels);
+    a->times = calloc(2, sizeof *a->times);
+    a->values = calloc(6, sizeof *a->values);
+    a->joints = calloc(1, sizeof *a->joints);
+    a->bindings = realloc(a->bindings, 2 * sizeof *a->bindings);
+    assert_true(a->clips && a->nodes && a->channels && a->times && a->values && a->joints && a->bindings);
+    a->clip_count = a->node_count = a->channel_count = a->joint_count = 1;
+    a->time_count = a->binding_count = 2;
+    a->value_count = 6;
+    a->clips[0].duration = 2;
+    a->nodes[0] = (gw_motion_node){.parent = -1, .moves = 1, .rotation = {0, 0, 0, 1}, .scale = {1, 1, 1}};
+    a->channels[0] = (gw_motion_channel){.curve = GW_CURVE_LINEAR, .key_count = 2};
+    a->times[1] = 2;
+    a->values[4] = 6;
+    for (int i = 0; i < 3; i++)
+        a->joints[0].inverse_bind[i][i] = 1;
+    a->bindings[1] = (gw_binding){.count = 1, .weights = {1}};
+    a->binding_of[3] = 1;
+    return a;
+}
+
+static void what_moves_comes_back(void **state) {
+    (void)state;
+    fixture *f = make_fixture();
+    f->scene.animation = make_animation();
+    size_t size;
+    void *block = pack(f, &size);
+    gw_unpacked_scene u;
+    check_ok(gw_unpack_scene(block, size, &u, &error));
+    assert_non_null(u.scene.animation);
+    double world[VERTICES][3];
+    gw_pose pose;
+    check_ok(gw_pose_init(u.scene.animation, &pose, &error));
+    gw_pose_at_time(u.scene.animation, 500000000, &pose);
+    gw_pose_vertices(u.scene.animation, &pose, world[0], NULL);
+    for (int v = 0; v < VERTICES; v++)
+        assert_true(world[v][0] == 0 && world[v][1] == (v == 3 ? 1.5 : 0) && world[v][2] == 0);
+    const gw_hash none = {0, 0}, sent = gw_animation_hash(none, f->scene.animation),
+                  got = gw_animation_hash(none, u.scene.animation);
+    assert_memory_equal(&sent, &got, sizeof sent);
+    gw_pose_finish(&pose);
+    gw_unpacked_scene_finish(&u);
+    gw_animation_destroy(&f->scene.animation);
+    free(block);
+    free(f);
+}
+
+/* Each promise of the animation broken in turn: the block is refused. */
+static void broken_animations_are_refused(void **state) {
+    (void)state;
+    enum { BREAKS = 13 };
+    for (int i = 0; i < BREAKS; i++) {
+        fixture *f = make_fixture();
+        gw_animation *a = f->scene.animation = make_animation();
+        a->clips[0].duration = i == 0 ? 0 : 2;
+        a->nodes[0].parent = i == 1 ? 0 : -1;
+        a->nodes[0].scale[1] = i == 2 ? (double)NAN : 1;
+        a->channels[0].node = i == 3;
+        a->channels[0].key_first = i == 4;
+        a->channels[0].value_first = i == 5;
+        a->channels[0].path = i == 6 ? 3 : 0;
+        a->times[0] = i == 7 ? 3 : 0;
+        a->values[2] = i == 8 ? INFINITY : 0;
+        a->joints[0].node = i == 9;
+        a->bindings[1].joints[0] = i == 10;
+        a->bindings[1].weights[0] = i == 11 ? -1 : 1;
+        a->binding_of[0] = i == 12 ? 2 : 0;
+        size_t size;
+        void *block = pack(f, &size);
+        gw_unpacked_scene u;
+        check_fails(gw_unpack_scene(block, size, &u, &error), GW_BAD_INPUT, "the animation is damaged");
+        gw_animation_destroy(&f->scene.animation);
+        free(block);
+        free(f);
+    }
+    fixture *f = make_fixture();
+    f->scene.animation = make_animation();
+    f->scene.animation->vertex_count--;
+    size_t size;
+    void *block = pack(f, &size);
+    gw_unpacked_scene u;
+    check_fails(gw_unpack_scene(block, size, &u, &error), GW_BAD_INPUT, "of other vertices");
+    gw_animation_destroy(&f->scene.animation);
+    free(block);
+    free(f);
+}
+
 static void equal_input_gives_equal_bytes(void **state) {
     (void)state;
     fixture *a = make_fixture(), *b = make_fixture();
@@ -201,6 +298,7 @@ static void a_flipped_head_is_harmless(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(everything_comes_back),         cmocka_unit_test(no_colors_stay_none),
+        cmocka_unit_test(what_moves_comes_back),         cmocka_unit_test(broken_animations_are_refused),
         cmocka_unit_test(equal_input_gives_equal_bytes), cmocka_unit_test(damage_is_noticed),
         cmocka_unit_test(a_flipped_head_is_harmless),
     };

@@ -102,17 +102,18 @@ static gw_code count_children(gw_octree_builder *builder, const part *p, const w
     gw_gl *device = builder->device;
     gw_code code = stage_program(builder, STAGE_MASK, p->level, w, 0, &program, error);
     if (code == GW_OK)
-        code = gw_gl_buffer_create(device, "child masks", (size_t)threads * 8, NULL, 0, &s->masks, error);
+        code = gw_gl_buffer_create(device, "child masks", (size_t)threads * 8, NULL, GL_RG32UI, &s->masks,
+                                   error);
     if (code == GW_OK)
-        code =
-            gw_gl_buffer_create(device, "pair sums", (size_t)threads * 16, NULL, 0, &s->thread_bases, error);
+        code = gw_gl_buffer_create(device, "pair sums", (size_t)threads * 16, NULL, GL_RGBA32UI,
+                                   &s->thread_bases, error);
     if (code == GW_OK)
         code = gw_gl_buffer_create(device, "block sums", (size_t)blocks * 16, NULL, 0, &s->block_sums, error);
     if (code != GW_OK)
         return code;
     gw_gl_texture_bind(&builder->triangles, 0);
-    gw_gl_buffer_bind(&p->pairs, 0);
-    gw_gl_buffer_bind(&p->cells, 1);
+    gw_gl_texture_bind(&p->cells, 1);
+    gw_gl_texture_bind(&p->pairs, 3);
     gw_gl_buffer_bind(&s->masks, 2);
     gw_gl_buffer_bind(&s->thread_bases, 3);
     gw_gl_buffer_bind(&s->block_sums, 4);
@@ -132,8 +133,8 @@ static gw_code count_children(gw_octree_builder *builder, const part *p, const w
             totals[k] += k % 2 ? word >> 16 : word & 0xffffu;
         }
     if (code == GW_OK)
-        code =
-            gw_gl_buffer_create(device, "block bases", (size_t)blocks * 32, bases, 0, &s->block_bases, error);
+        code = gw_gl_buffer_create(device, "block bases", (size_t)blocks * 32, bases, GL_RGBA32UI,
+                                   &s->block_bases, error);
     free(sums);
     free(bases);
     return code;
@@ -146,11 +147,11 @@ static gw_code scatter_pairs(gw_octree_builder *builder, const part *p, const wi
     gw_gl *device = builder->device;
     uint32_t blocks = blocks_of(w->pair_count, PAIRS_PER_BLOCK);
     uint32_t last[8];
-    gw_code code = gw_gl_buffer_create(device, "cell prefixes", ((size_t)w->cell_count + 1) * 32, NULL, 0,
-                                       &s->prefixes, error);
+    gw_code code = gw_gl_buffer_create(device, "cell prefixes", ((size_t)w->cell_count + 1) * 32, NULL,
+                                       GL_RGBA32UI, &s->prefixes, error);
     if (code == GW_OK)
-        code =
-            gw_gl_buffer_create(device, "child pairs", (size_t)out_count * 8, NULL, 0, &s->pairs_out, error);
+        code = gw_gl_buffer_create(device, "child pairs", (size_t)out_count * 8, NULL, GL_RG32UI,
+                                   &s->pairs_out, error);
     if (code != GW_OK)
         return code;
     for (uint32_t k = 0; k < 8; ++k)
@@ -158,12 +159,15 @@ static gw_code scatter_pairs(gw_octree_builder *builder, const part *p, const wi
     code = gw_gl_buffer_write(&s->prefixes, (size_t)w->cell_count * 32, sizeof last, last, error);
     if (code != GW_OK)
         return code;
-    gw_gl_buffer_bind(&s->block_bases, 4);
+    gw_gl_texture_bind(&s->masks, 4);
+    gw_gl_texture_bind(&s->thread_bases, 5);
+    gw_gl_texture_bind(&s->block_bases, 6);
     gw_gl_buffer_bind(&s->prefixes, 5);
     gw_gl_buffer_bind(&s->pairs_out, 6);
     code = stage_program(builder, STAGE_PREFIX, p->level, w, 0, &program, error);
     if (code == GW_OK)
         code = gw_gl_dispatch(device, program, blocks, error);
+    gw_gl_texture_bind(&s->prefixes, 2);
     if (code == GW_OK)
         code = stage_program(builder, STAGE_SCATTER, p->level, w, out_count, &program, error);
     if (code == GW_OK)
@@ -195,6 +199,7 @@ static gw_code classify_slots(gw_octree_builder *builder, const part *p, const w
     glProgramUniform1ui(program, LOCATION_STAGE + 3, p->level + 1 == builder->depth);
     gw_gl_texture_bind(&builder->triangles, 0);
     gw_gl_texture_bind(&builder->topology, 1);
+    gw_gl_texture_bind(&s->pairs_out, 3);
     gw_gl_buffer_bind(&s->classes, 7);
     gw_gl_buffer_bind(&s->slot_bases, 8);
     gw_gl_buffer_bind(&s->slot_sums, 9);
@@ -230,21 +235,23 @@ static gw_code emit_children(gw_octree_builder *builder, const part *p, const wi
     if (code == GW_OK)
         code = gw_gl_buffer_create(device, "parents", (size_t)w->cell_count * 8, NULL, 0, &s->parents, error);
     if (code == GW_OK)
-        code =
-            gw_gl_buffer_create(device, "targets", (size_t)w->cell_count * 64, NULL, 0, &s->targets, error);
+        code = gw_gl_buffer_create(device, "targets", (size_t)w->cell_count * 128, NULL, GL_RGBA32UI,
+                                   &s->targets, error);
     if (code == GW_OK)
         code =
             gw_gl_buffer_create(device, "references", (size_t)totals[3] * 4, NULL, 0, &s->references, error);
     if (code == GW_OK)
-        code = gw_gl_buffer_create(device, "cells", (size_t)totals[1] * 16, NULL, 0, &next->cells, error);
+        code = gw_gl_buffer_create(device, "cells", (size_t)totals[1] * 16, NULL, GL_RGBA32UI, &next->cells,
+                                   error);
     if (code == GW_OK)
-        code = gw_gl_buffer_create(device, "pairs", (size_t)totals[2] * 8, NULL, 0, &next->pairs, error);
+        code =
+            gw_gl_buffer_create(device, "pairs", (size_t)totals[2] * 8, NULL, GL_RG32UI, &next->pairs, error);
     if (code == GW_OK)
         code = stage_program(builder, STAGE_EMIT, p->level, w, out_count, &program, error);
     if (code != GW_OK)
         return code;
     glProgramUniform1ui(program, LOCATION_STAGE, (GLuint)level->reference_count);
-    gw_gl_buffer_bind(&p->cells, 1);
+    gw_gl_texture_bind(&p->cells, 1);
     gw_gl_buffer_bind(&s->children, 10);
     gw_gl_buffer_bind(&next->cells, 11);
     gw_gl_buffer_bind(&s->parents, 12);
@@ -252,6 +259,7 @@ static gw_code emit_children(gw_octree_builder *builder, const part *p, const wi
     gw_gl_buffer_bind(&next->pairs, 14);
     gw_gl_buffer_bind(&s->references, 15);
     code = gw_gl_dispatch(device, program, blocks_of(w->cell_count * 8, GROUP), error);
+    gw_gl_texture_bind(&s->targets, 4);
     if (code == GW_OK)
         code = stage_program(builder, STAGE_MOVE, p->level, w, out_count, &program, error);
     if (code == GW_OK)
@@ -503,10 +511,11 @@ static gw_code make_root(gw_octree_builder *builder, part *root, gw_error *error
     if (code == GW_OK)
         code = append_nodes(builder, 0, (const uint32_t(*)[4])child, 1, root->node_of, error);
     if (code == GW_OK)
-        code = gw_gl_buffer_create(builder->device, "root cell", sizeof cell, cell, 0, &root->cells, error);
-    if (code == GW_OK)
-        code = gw_gl_buffer_create(builder->device, "root pairs", (size_t)count * 8, pairs, 0, &root->pairs,
+        code = gw_gl_buffer_create(builder->device, "root cell", sizeof cell, cell, GL_RGBA32UI, &root->cells,
                                    error);
+    if (code == GW_OK)
+        code = gw_gl_buffer_create(builder->device, "root pairs", (size_t)count * 8, pairs, GL_RG32UI,
+                                   &root->pairs, error);
     free(pairs);
     return code;
 }

@@ -17,7 +17,7 @@ layout(location = 10) uniform uint at_limit; // 1: the children are at the depth
 layout(binding = 0) uniform samplerBuffer triangle_texels;
 layout(binding = 1) uniform usamplerBuffer topology_texels;
 
-layout(std430, binding = 6) readonly buffer PairsOut { uvec2 pairs_out[]; };
+layout(binding = 3) uniform usamplerBuffer pair_texels; // of all children
 layout(std430, binding = 7) writeonly buffer Classes { uint classes[]; }; // kind, reason << 4, per slot
 layout(std430, binding = 8) writeonly buffer SlotBases { uvec4 slot_bases[]; };
 layout(std430, binding = 9) writeonly buffer SlotSums { uvec4 slot_sums[]; };
@@ -27,10 +27,10 @@ layout(std430, binding = 9) writeonly buffer SlotSums { uvec4 slot_sums[]; };
 #define ISOLATED_AT_MOST 64u
 
 bool shares_vertex(uint begin, uint count) {
-    uvec3 common_vertices = texelFetch(topology_texels, int(pairs_out[begin].x)).xyz;
+    uvec3 common_vertices = texelFetch(topology_texels, int(texelFetch(pair_texels, int(begin)).x)).xyz;
     uint alive = 7u;
     for (uint i = 1u; i < count && alive != 0u; ++i) {
-        uvec3 own = texelFetch(topology_texels, int(pairs_out[begin + i].x)).xyz;
+        uvec3 own = texelFetch(topology_texels, int(texelFetch(pair_texels, int(begin + i)).x)).xyz;
         for (uint k = 0u; k < 3u; ++k)
             if (!any(equal(own, uvec3(common_vertices[k]))))
                 alive &= ~(1u << k);
@@ -42,16 +42,16 @@ bool shares_vertex(uint begin, uint count) {
 // many list members belong to it as it has triangles.
 bool is_isolated(uint begin, uint count, float half_cell) {
     for (uint i = 0u; i < count; ++i) {
-        int texel = int(pairs_out[begin + i].x) * 3;
+        int texel = int(texelFetch(pair_texels, int(begin + i)).x) * 3;
         if (texelFetch(triangle_texels, texel).w >= half_cell || texelFetch(triangle_texels, texel + 1).w > float(count))
             return false;
     }
     for (uint i = 0u; i < count; ++i) {
-        int triangle = int(pairs_out[begin + i].x);
+        int triangle = int(texelFetch(pair_texels, int(begin + i)).x);
         uint component = texelFetch(topology_texels, triangle).w;
         float found = 0.0;
         for (uint j = 0u; j < count; ++j)
-            found += texelFetch(topology_texels, int(pairs_out[begin + j].x)).w == component ? 1.0 : 0.0;
+            found += texelFetch(topology_texels, int(texelFetch(pair_texels, int(begin + j)).x)).w == component ? 1.0 : 0.0;
         if (found != texelFetch(triangle_texels, triangle * 3 + 1).w)
             return false;
     }
@@ -88,8 +88,9 @@ void main() {
         uint count = 0u;
         uint begin = 0u;
         if (slot < cell_count * 8u) {
-            count = slot_count(slot >> 3, slot & 7u);
-            begin = slot_begin(slot >> 3, slot & 7u);
+            cell_prefixes prefixes = fetch_prefixes(slot >> 3);
+            count = slot_count(prefixes, slot & 7u);
+            begin = slot_begin(prefixes, slot & 7u);
         }
         uint class_here = classify(begin, count);
         uint kind = class_here & 0xfu;

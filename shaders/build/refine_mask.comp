@@ -5,8 +5,8 @@
 
 layout(binding = 0) uniform samplerBuffer triangle_texels;
 
-layout(std430, binding = 0) readonly buffer PairsIn { uvec2 pairs_in[]; };
-layout(std430, binding = 1) readonly buffer CellsIn { uvec4 cells_in[]; };
+layout(binding = 1) uniform usamplerBuffer cell_texels;
+layout(binding = 3) uniform usamplerBuffer pair_texels;
 layout(std430, binding = 2) writeonly buffer Masks { uvec2 masks[]; };              // a thread's eight masks
 layout(std430, binding = 3) writeonly buffer ThreadBases { uvec4 thread_bases[]; }; // exclusive sums inside the block
 layout(std430, binding = 4) writeonly buffer BlockSums { uvec4 block_sums[]; };
@@ -22,8 +22,8 @@ void main() {
     for (uint i = 0u; i < PAIRS_PER_THREAD; ++i) {
         uint mask = 0u;
         if (first + i < pair_count) {
-            uvec2 pair = pairs_in[pair_first + first + i];
-            uvec4 cell = cells_in[pair.y];
+            uvec2 pair = texelFetch(pair_texels, int(pair_first + first + i)).xy;
+            uvec4 cell = texelFetch(cell_texels, int(pair.y));
             int texel = int(pair.x) * 3;
             precise vec3 corner =
                 vec3(float(cell.x & 0xffffu), float(cell.x >> 16), float(cell.y)) * (4.0 * quarter) - 1.0;

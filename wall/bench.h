@@ -42,6 +42,9 @@ gw_code gw_bench_rays(const gw_bench *bench, gw_ray **rays, size_t *count, gw_er
 /* Table 2 of Weier et al. 2014: bytes of an octree refined everywhere against one that stops early. */
 gw_code gw_bench_table2(gw_bench *bench, gw_error *error);
 
+/* Build time and bytes from 10 thousand to 10 million triangles of a scene made by formula. */
+gw_code gw_bench_growth(gw_bench *bench, gw_error *error);
+
 /* One octree's work, bytes and times. */
 typedef struct gw_built {
     uint32_t depth, triangles;

@@ -15,14 +15,17 @@
 typedef struct bench_kind {
     const char *name;
     gw_code (*run)(gw_bench *bench, gw_error *error);
-    int scenes; /* 1: takes several and opens them itself */
+    enum {
+        ONE_SCENE,
+        SEVERAL_SCENES,
+        NO_SCENE
+    } scenes; /* one is opened for it; the others open or make theirs */
 } bench_kind;
 
 static const bench_kind kinds[] = {
-    {"build", gw_bench_build, 0},
-    {"peers", gw_bench_peers, 0},
-    {"layouts", gw_bench_layouts, 0},
-    {"table2", gw_bench_table2, 1},
+    {"build", gw_bench_build, ONE_SCENE},     {"peers", gw_bench_peers, ONE_SCENE},
+    {"layouts", gw_bench_layouts, ONE_SCENE}, {"table2", gw_bench_table2, SEVERAL_SCENES},
+    {"growth", gw_bench_growth, NO_SCENE},
 };
 enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };
 
@@ -58,14 +61,15 @@ static gw_code choose_kind(bench_options *o, const char *word, gw_error *error) 
             return GW_OK;
         }
     }
-    if (o->kind && o->kind->scenes)
+    if (o->kind && o->kind->scenes == SEVERAL_SCENES)
         return add_scene(&o->bench, word, error);
     if (o->kind)
         return gw_fail(error, GW_BAD_INPUT, "'%s' is one word too many; bench measures one thing at a time",
                        word);
     const char *near = gw_suggest(word, names, KIND_COUNT);
-    return gw_fail(error, GW_BAD_INPUT, "there is no bench '%s'; it is build, peers, layouts or table2%s%s%s",
-                   word, near ? " (did you mean '" : "", near ? near : "", near ? "'?)" : "");
+    return gw_fail(error, GW_BAD_INPUT,
+                   "there is no bench '%s'; it is build, peers, layouts, table2 or growth%s%s%s", word,
+                   near ? " (did you mean '" : "", near ? near : "", near ? "'?)" : "");
 }
 
 static error_t parse_bench(int key, char *argument, struct argp_state *state) {
@@ -103,7 +107,7 @@ static const struct argp_child children[] = {{&gw_draw_argp, 0, NULL, 0}, {0}};
 static const struct argp bench_argp = {
     .options = options_table,
     .parser = parse_bench,
-    .args_doc = "build|peers|layouts|table2 [SCENE...]",
+    .args_doc = "build|peers|layouts|table2 [SCENE...]|growth",
     .children = children,
     .doc =
         "build: builds the scene's octree again and again; medians, phases, pairs, bytes a triangle.\n"
@@ -116,7 +120,10 @@ static const struct argp bench_argp = {
         "when a hit differs.\n"
         "table2: bytes of octrees refined everywhere against those that stop early, by the rules of the "
         "paper that "
-        "this octree comes from and by ours, for each SCENE; its Table 2 beside it.\v"
+        "this octree comes from and by ours, for each SCENE; its Table 2 beside it.\n"
+        "growth: builds octrees of 10 thousand to 10 million triangles (quick: 300 thousand) of a rock made "
+        "by "
+        "formula; time, tests, nodes and bytes, fitted exponents, plots.\v"
         "Examples:\n"
         "  gazewall bench build --scene dragon.ply --out results\n"
         "  gazewall bench peers --quick\n"
@@ -145,14 +152,15 @@ static gw_code prepare(bench_options *o, int argc, char **argv, gw_error *error)
     gw_model *model = &bench->model;
     gw_code code = gw_report_create(argc, argv, &bench->report, error);
     if (!code)
-        code = o->kind->scenes ? gw_model_open_device(model, &bench->draw, &bench->console.log, error)
-                               : gw_model_open(model, &bench->draw, &bench->console.log, error);
+        code = o->kind->scenes != ONE_SCENE
+                   ? gw_model_open_device(model, &bench->draw, &bench->console.log, error)
+                   : gw_model_open(model, &bench->draw, &bench->console.log, error);
     if (code)
         return code;
     const gw_gl_limits *limits = gw_gl_limits_of(model->device);
     gw_report_device(bench->report, limits);
     gw_report_settings(bench->report, &bench->draw.settings);
-    if (o->kind->scenes)
+    if (o->kind->scenes != ONE_SCENE)
         return GW_OK;
     gw_report_scene(bench->report, model->scene, model->import_ms);
     gw_report_octree(bench->report, model->octree, model->scene, limits, model->build_ms, model->from_cache);
@@ -168,9 +176,12 @@ int gw_verb_bench(int argc, char **argv) {
     gw_code code = gw_arguments_parse(&bench_argp, argc, argv, &o, &helped, &error);
     if (helped && !code)
         return GW_OK;
+    if (!code && o.kind && o.kind->scenes == NO_SCENE && bench->draw.scene)
+        code =
+            gw_fail(&error, GW_BAD_INPUT, "bench %s makes its own scenes: leave --scene out", o.kind->name);
     if (!code && !o.kind)
         code = gw_fail(&error, GW_BAD_INPUT,
-                       "say what to measure: gazewall bench build, peers, layouts or table2");
+                       "say what to measure: gazewall bench build, peers, layouts, table2 or growth");
     if (!code)
         code = gw_file_writable(bench->draw.report, &error);
     if (!code && bench->out)

@@ -1,5 +1,5 @@
 #!/bin/bash
-# gazewall bench table2: rows, their arithmetic and their order, on a small scene.
+# gazewall bench table2 on a small scene: rows, their arithmetic and their order. bench growth: work in proportion.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/support/tap.sh
 
@@ -23,4 +23,17 @@ is "savings are of the row refined everywhere" "$(awk -F, '
 expect "a scene that is not there" 2 "missing.obj" "${run[@]}" "$folder/missing.obj"
 expect "too many scenes" 2 "one scene too many" bench table2 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17
 expect "scenes for a bench that takes one" 2 "one word too many" bench build a.obj
+
+expect "growth to 300 thousand triangles" 0 "fitted exponents" bench growth --quick --out "$folder/results"
+is "four sizes" "$(awk -F, 'NR > 1 { print $1 }' "$folder/results/growth.csv" | tr '\n' ' ')" "10092 30000 101568 303372 "
+for quantity in overlap_tests nodes bytes; do
+    exponent=$(json "$folder/results/growth.json" "['bench']['exponents']['$quantity']")
+    is "$quantity grow in proportion, within a tenth" \
+        "$(awk -v e="$exponent" 'BEGIN { print (e > 0.9 && e < 1.1 ? "yes" : e) }')" yes
+done
+for plot in time bytes; do
+    is "the plot of $plot is well-formed" "$(python3 -c 'import sys, xml.dom.minidom
+print(xml.dom.minidom.parse(sys.argv[1]).documentElement.tagName)' "$folder/results/growth-$plot.svg" 2>&1)" svg
+done
+expect "a scene for growth" 2 "makes its own scenes" bench growth --scene a.obj
 finish

@@ -1,0 +1,25 @@
+/* Plots as SVG text: curves over logarithmic axes, with a legend. Any thread. */
+#ifndef GW_WALL_PLOT_H
+#define GW_WALL_PLOT_H
+
+#include "base/status.h"
+
+#include <stddef.h>
+
+typedef struct gw_plot_series {
+    const char *name;
+    const double *x, *y; /* [count]; points that are not positive have no place and are left out */
+    size_t count;
+    int dashed; /* for comparison: drawn thin and dashed, without markers */
+} gw_plot_series;
+
+typedef struct gw_plot {
+    const char *title, *x_label, *y_label; /* with units */
+    const gw_plot_series *series;
+    size_t series_count;
+} gw_plot;
+
+/* The text, for free(). */
+gw_code gw_plot_svg(const gw_plot *plot, char **out, size_t *size, gw_error *error);
+
+#endif

@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "base/memory.h"
+#include "build/components.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -16,32 +17,9 @@ typedef struct component {
 
 enum { COUNTED_EXACTLY = 1 << 24 }; /* integers that a float holds exactly */
 
-static uint32_t find_root(uint32_t *parent, uint32_t v) {
-    while (parent[v] != v) {
-        parent[v] = parent[parent[v]];
-        v = parent[v];
-    }
-    return v;
-}
-
-/* parent[welded vertex] becomes its component's least vertex. */
-static void join_components(const gw_scene *scene, uint32_t *parent) {
-    for (uint32_t v = 0; v < scene->welded_count; ++v)
-        parent[v] = v;
-    for (uint32_t t = 0; t < scene->triangle_count; ++t)
-        for (int k = 1; k < 3; ++k) {
-            uint32_t a = find_root(parent, scene->welded[scene->triangles[t][0]]);
-            uint32_t b = find_root(parent, scene->welded[scene->triangles[t][k]]);
-            if (a < b)
-                parent[b] = a;
-            else
-                parent[a] = b;
-        }
-}
-
-static void measure_components(const gw_scene *scene, uint32_t *parent, component *components) {
+static void measure_components(const gw_scene *scene, const uint32_t *component_of, component *components) {
     for (uint32_t t = 0; t < scene->triangle_count; ++t) {
-        component *c = &components[find_root(parent, scene->welded[scene->triangles[t][0]])];
+        component *c = &components[component_of[scene->welded[scene->triangles[t][0]]]];
         for (int k = 0; k < 3; ++k) {
             const float *p = scene->positions + (size_t)scene->triangles[t][k] * 3;
             for (int axis = 0; axis < 3; ++axis) {
@@ -61,10 +39,10 @@ static float longest_side(const component *c) {
     return side;
 }
 
-static void fill_texels(const gw_scene *scene, uint32_t *parent, const component *components,
+static void fill_texels(const gw_scene *scene, const uint32_t *component_of, const component *components,
                         float (*triangles)[3][4], uint32_t (*topology)[4]) {
     for (uint32_t t = 0; t < scene->triangle_count; ++t) {
-        uint32_t root = find_root(parent, scene->welded[scene->triangles[t][0]]);
+        uint32_t root = component_of[scene->welded[scene->triangles[t][0]]];
         uint32_t size = components[root].triangles;
         for (int k = 0; k < 3; ++k) {
             uint32_t vertex = scene->triangles[t][k];
@@ -79,11 +57,11 @@ static void fill_texels(const gw_scene *scene, uint32_t *parent, const component
 
 gw_code gw_octree_upload(gw_octree_builder *builder, gw_error *error) {
     const gw_scene *scene = builder->scene;
-    uint32_t *parent = NULL;
+    uint32_t *component_of = NULL;
     component *components = NULL;
     float(*triangles)[3][4] = NULL;
     uint32_t(*topology)[4] = NULL;
-    gw_code code = gw_allocate((void **)&parent, scene->welded_count, sizeof *parent, "components", error);
+    gw_code code = gw_components(scene, &component_of, error);
     if (code == GW_OK)
         code =
             gw_allocate((void **)&components, scene->welded_count, sizeof *components, "components", error);
@@ -92,9 +70,8 @@ gw_code gw_octree_upload(gw_octree_builder *builder, gw_error *error) {
     if (code == GW_OK)
         code = gw_allocate((void **)&topology, scene->triangle_count, sizeof *topology, "topology", error);
     if (code == GW_OK) {
-        join_components(scene, parent);
-        measure_components(scene, parent, components);
-        fill_texels(scene, parent, components, triangles, topology);
+        measure_components(scene, component_of, components);
+        fill_texels(scene, component_of, components, triangles, topology);
         code = gw_gl_buffer_create(builder->device, "build triangles",
                                    (size_t)scene->triangle_count * sizeof *triangles, triangles, GL_RGBA32F,
                                    &builder->triangles, error);
@@ -103,7 +80,7 @@ gw_code gw_octree_upload(gw_octree_builder *builder, gw_error *error) {
         code = gw_gl_buffer_create(builder->device, "build topology",
                                    (size_t)scene->triangle_count * sizeof *topology, topology, GL_RGBA32UI,
                                    &builder->topology, error);
-    free(parent);
+    free(component_of);
     free(components);
     free(triangles);
     free(topology);

@@ -1,17 +1,13 @@
 #include "build/scene_order.h"
 
 #include "base/memory.h"
+#include "build/radix_sort.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { RADIX_BITS = 16, RADIX = 1 << RADIX_BITS, MORTON_BITS = 21 };
-
-typedef struct entry {
-    uint64_t key;
-    uint32_t triangle;
-} entry;
+enum { MORTON_BITS = 21 };
 
 typedef struct order {
     const gw_scene *scene;
@@ -87,7 +83,7 @@ static int compare_content(const order *self, uint32_t a, uint32_t b) {
 
 static int compare_triangles(const void *a_entry, const void *b_entry, void *context) {
     const order *self = context;
-    const uint32_t a = ((const entry *)a_entry)->triangle, b = ((const entry *)b_entry)->triangle;
+    const uint32_t a = ((const gw_keyed *)a_entry)->value, b = ((const gw_keyed *)b_entry)->value;
     const int result = compare_content(self, a, b);
     return result ? result : compare_words(&self->scene->material_of[a], &self->scene->material_of[b], 1);
 }
@@ -119,28 +115,8 @@ static gw_code rank_materials(order *self, gw_error *error) {
     return GW_OK;
 }
 
-/* Stable, least digit first; the result ends in `entries` because the number of passes is even. */
-static void radix_sort(entry *entries, entry *spare, size_t count, size_t *histogram) {
-    for (int shift = 0; shift < 64; shift += RADIX_BITS) {
-        memset(histogram, 0, RADIX * sizeof *histogram);
-        for (size_t i = 0; i < count; i++)
-            histogram[entries[i].key >> shift & (RADIX - 1)]++;
-        size_t begin = 0;
-        for (size_t digit = 0; digit < RADIX; digit++) {
-            size_t size = histogram[digit];
-            histogram[digit] = begin;
-            begin += size;
-        }
-        for (size_t i = 0; i < count; i++)
-            spare[histogram[entries[i].key >> shift & (RADIX - 1)]++] = entries[i];
-        entry *swap = entries;
-        entries = spare;
-        spare = swap;
-    }
-}
-
 /* The Morton order is done: equal codes are put into the order of their content. */
-static void sort_equal_codes(entry *entries, size_t count, order *self) {
+static void sort_equal_codes(gw_keyed *entries, size_t count, order *self) {
     for (size_t begin = 0; begin < count;) {
         size_t end = begin + 1;
         while (end < count && entries[end].key == entries[begin].key)
@@ -153,21 +129,21 @@ static void sort_equal_codes(entry *entries, size_t count, order *self) {
 
 /* Takes out what equals the triangle before it, but for blended surfaces, of which two show more than one;
  * returns how many stay. */
-static size_t drop_duplicates(const order *self, entry *entries, size_t count) {
+static size_t drop_duplicates(const order *self, gw_keyed *entries, size_t count) {
     size_t kept = 0;
     for (size_t i = 0; i < count; i++) {
-        const uint32_t triangle = entries[i].triangle;
+        const uint32_t triangle = entries[i].value;
         const int blended =
             self->scene->materials[self->scene->material_of[triangle]].alpha_mode == GW_ALPHA_BLEND;
         if (blended || kept == 0 || entries[kept - 1].key != entries[i].key ||
-            compare_content(self, entries[kept - 1].triangle, triangle) != 0)
+            compare_content(self, entries[kept - 1].value, triangle) != 0)
             entries[kept++] = entries[i];
     }
     return kept;
 }
 
 /* Moves the scene's rows into the order of the entries. */
-static gw_code permute(gw_scene *scene, const entry *entries, size_t count, gw_error *error) {
+static gw_code permute(gw_scene *scene, const gw_keyed *entries, size_t count, gw_error *error) {
     void *triangles = NULL, *material_of = NULL;
     gw_code code = gw_allocate(&triangles, count, sizeof *scene->triangles, "sorted triangles", error);
     if (code == GW_OK)
@@ -178,9 +154,8 @@ static gw_code permute(gw_scene *scene, const entry *entries, size_t count, gw_e
         return code;
     }
     for (size_t i = 0; i < count; i++) {
-        memcpy((uint32_t(*)[3])triangles + i, scene->triangles[entries[i].triangle],
-               sizeof *scene->triangles);
-        ((uint32_t *)material_of)[i] = scene->material_of[entries[i].triangle];
+        memcpy((uint32_t(*)[3])triangles + i, scene->triangles[entries[i].value], sizeof *scene->triangles);
+        ((uint32_t *)material_of)[i] = scene->material_of[entries[i].value];
     }
     free(scene->triangles);
     free(scene->material_of);
@@ -194,28 +169,21 @@ static gw_code permute(gw_scene *scene, const entry *entries, size_t count, gw_e
 gw_code gw_scene_order(gw_scene *scene, const uint32_t *vertices, gw_error *error) {
     const size_t count = scene->triangle_count;
     order self = {.scene = scene, .vertices = vertices};
-    void *entries = NULL, *spare = NULL, *histogram = NULL;
+    gw_keyed *entries = NULL;
     gw_code code = rank_materials(&self, error);
     if (code == GW_OK)
-        code = gw_allocate(&entries, count, sizeof(entry), "triangle order", error);
-    if (code == GW_OK)
-        code = gw_allocate(&spare, count, sizeof(entry), "triangle order", error);
-    if (code == GW_OK)
-        code = gw_allocate(&histogram, RADIX, sizeof(size_t), "triangle order", error);
-    if (code != GW_OK)
-        goto cleanup;
-    for (size_t i = 0; i < count; i++) {
+        code = gw_allocate((void **)&entries, count, sizeof *entries, "triangle order", error);
+    for (size_t i = 0; code == GW_OK && i < count; i++) {
         rotate_triangle(scene->triangles[i], vertices);
-        ((entry *)entries)[i] = (entry){centroid_code(scene->triangles[i], vertices), (uint32_t)i};
+        entries[i] = (gw_keyed){centroid_code(scene->triangles[i], vertices), (uint32_t)i};
     }
-    radix_sort(entries, spare, count, histogram);
-    sort_equal_codes(entries, count, &self);
-    const size_t kept = drop_duplicates(&self, entries, count);
-    code = permute(scene, entries, kept, error);
-cleanup:
+    if (code == GW_OK)
+        code = gw_radix_sort(entries, count, error);
+    if (code == GW_OK) {
+        sort_equal_codes(entries, count, &self);
+        code = permute(scene, entries, drop_duplicates(&self, entries, count), error);
+    }
     free(self.material_rank);
     free(entries);
-    free(spare);
-    free(histogram);
     return code;
 }

@@ -40,6 +40,14 @@ void gw_gl_destroy(gw_gl **device); /* accepts NULL and a NULL device */
 const gw_gl_limits *gw_gl_limits_of(const gw_gl *device);
 const gw_log *gw_gl_log(const gw_gl *device);
 
+/* Bytes of the buffers that exist on the device, and the most that existed at once since the peak was reset.
+ * Textures and the driver's own memory are not in it. */
+typedef struct gw_gl_usage {
+    uint64_t bytes, peak;
+} gw_gl_usage;
+gw_gl_usage gw_gl_usage_of(const gw_gl *device);
+void gw_gl_reset_peak(gw_gl *device);
+
 /* Compute program from shaders/<name> ("trace/primary.comp"). #include "common/x.glsl" is resolved against
  * shaders/, each file once; #line keeps error positions. defines is a text of "#define A 1\n" lines put after
  * the version line (NULL for none). "#version 450 core" is put first by this function. The same (name,
@@ -53,6 +61,7 @@ gw_code gw_gl_uniform(GLuint program, const char *name, GLint *out, gw_error *er
 
 /* A buffer, by name for messages. size 0 is rounded up to 16 so that it can be bound. */
 typedef struct gw_gl_buffer {
+    gw_gl *device;
     GLuint id;
     size_t size;     /* bytes */
     GLuint texture;  /* buffer texture over the whole buffer, 0 if none */

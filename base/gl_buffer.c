@@ -96,6 +96,11 @@ gw_code gw_gl_buffer_create(gw_gl *device, const char *name, size_t size, const 
     }
     out->size = size == 0 ? GRANULE : size;
     const size_t allocated = rounded(out->size);
+    out->device = device;
+    device->usage.bytes += out->size;
+    if (device->usage.peak < device->usage.bytes) {
+        device->usage.peak = device->usage.bytes;
+    }
     out->keeper = device->pool.on ? device : NULL;
     gw_gl_pool_take(device, allocated, &out->id, &out->capacity);
     if (!out->id) {
@@ -119,7 +124,18 @@ gw_code gw_gl_buffer_create(gw_gl *device, const char *name, size_t size, const 
     return GW_OK;
 }
 
+gw_gl_usage gw_gl_usage_of(const gw_gl *device) {
+    return device->usage;
+}
+
+void gw_gl_reset_peak(gw_gl *device) {
+    device->usage.peak = device->usage.bytes;
+}
+
 void gw_gl_buffer_finish(gw_gl_buffer *buffer) {
+    if (buffer->device) {
+        buffer->device->usage.bytes -= buffer->size;
+    }
     if (buffer->texture) {
         glDeleteTextures(1, &buffer->texture);
     }

@@ -34,6 +34,7 @@ struct gw_gl {
     gw_gl_cached_program *programs;
     size_t program_count, program_capacity;
     gw_gl_pool pool;
+    gw_gl_usage usage;
 };
 
 /* Deletes all programs and frees the cache. */

@@ -82,27 +82,39 @@ void gw_renderer_destroy(gw_renderer **renderer) {
     *renderer = NULL;
 }
 
+/* Buffers that have room for every ray of a chunk, but for its fragments. */
+static const struct {
+    const char *name;
+    size_t offset; /* in gw_ray_buffers */
+    size_t bytes;  /* a ray */
+    int counting;  /* exists only if work is counted */
+} ray_rows[] = {
+    {"ray statuses", offsetof(gw_ray_buffers, statuses), 8, 0},
+    {"ray states", offsetof(gw_ray_buffers, states), GW_STATE_WORDS * sizeof(uint32_t), 0},
+    {"ray queue", offsetof(gw_ray_buffers, queues[0]), 4, 0},
+    {"next ray queue", offsetof(gw_ray_buffers, queues[1]), 4, 0},
+    {"radiance sums", offsetof(gw_ray_buffers, sums), 16, 0},
+    {"pixels", offsetof(gw_ray_buffers, pixels), 4, 0},
+    {"counted work", offsetof(gw_ray_buffers, work), 16, 1},
+};
+
+void gw_renderer_ray_memory(const gw_renderer *renderer, uint64_t *bytes, uint64_t *rays) {
+    const gw_kernel_key key = {.features = GW_FEATURE_LOD};
+    *bytes = gw_kernel_fragments(&key) * (uint64_t)GW_FRAGMENT_WORDS * sizeof(uint32_t);
+    for (size_t i = 0; i < sizeof ray_rows / sizeof ray_rows[0]; ++i)
+        *bytes += !ray_rows[i].counting || renderer->count ? ray_rows[i].bytes : 0;
+    *rays = (uint64_t)gw_renderer_chunk_slots(renderer) * GW_SPARSE_CHUNK;
+}
+
 static gw_code create_ray_buffers(gw_renderer *renderer, size_t slots, size_t fragment_words, int work,
                                   gw_error *error) {
     gw_ray_buffers *rays = &renderer->rays;
-    struct {
-        gw_gl_buffer *buffer;
-        const char *name;
-        size_t bytes; /* per slot */
-    } all[] = {
-        {&rays->statuses, "ray statuses", 8},
-        {&rays->states, "ray states", GW_STATE_WORDS * sizeof(uint32_t)},
-        {&rays->queues[0], "ray queue", 4},
-        {&rays->queues[1], "next ray queue", 4},
-        {&rays->sums, "radiance sums", 16},
-        {&rays->pixels, "pixels", 4},
-        {&rays->work, "counted work", work ? 16 : 0},
-    };
     gw_code code = gw_gl_buffer_create(renderer->device, "fragments", fragment_words * sizeof(uint32_t), NULL,
                                        0, &rays->fragments, error);
-    for (size_t i = 0; !code && i < sizeof all / sizeof all[0]; ++i)
-        code = gw_gl_buffer_create(renderer->device, all[i].name, slots * all[i].bytes, NULL, 0,
-                                   all[i].buffer, error);
+    for (size_t i = 0; !code && i < sizeof ray_rows / sizeof ray_rows[0]; ++i)
+        code = gw_gl_buffer_create(renderer->device, ray_rows[i].name,
+                                   ray_rows[i].counting && !work ? 0 : slots * ray_rows[i].bytes, NULL, 0,
+                                   (gw_gl_buffer *)(void *)((char *)rays + ray_rows[i].offset), error);
     if (code)
         return code;
     rays->slots = slots;

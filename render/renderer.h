@@ -90,5 +90,9 @@ gw_code gw_renderer_trace_variant(gw_renderer *renderer, const gw_trace_variant 
 gw_code gw_renderer_report(const gw_renderer *renderer, json_t *report, gw_error *error);
 /* Bytes on the GPU. */
 uint64_t gw_renderer_bytes(const gw_renderer *renderer);
+/* What frames may need on the GPU beyond that, at most, however large the rectangle: it is rendered in
+ * chunks, in the same buffers. bytes: of one ray, with voxels. rays: at a time, with a gaze; half of it
+ * without. */
+void gw_renderer_ray_memory(const gw_renderer *renderer, uint64_t *bytes, uint64_t *rays);
 
 #endif

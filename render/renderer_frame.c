@@ -227,8 +227,7 @@ static gw_code render_chunks(frame_job *job, gw_error *error) {
     int64_t limit = (int64_t)(gw_renderer_chunk_slots(job->renderer) / GW_BLOCK_PIXELS);
     int64_t most_columns = limit;
     if (job->may_be_sparse) {
-        /* Larger chunks have less rim, and hold fewer samples than pixels. */
-        limit *= 2;
+        limit *= GW_SPARSE_CHUNK;
         most_columns = GW_SPARSE_COLUMNS;
     }
     int64_t columns = end_x - first_x < most_columns ? end_x - first_x : most_columns;

@@ -71,5 +71,9 @@ gw_code gw_renderer_kernel(gw_renderer *renderer, const char *name, const gw_ker
                            const char *more_defines, GLuint *out, gw_error *error);
 /* Rays that one chunk may hold: dispatches stay short on software GL. */
 size_t gw_renderer_chunk_slots(const gw_renderer *renderer);
+/* Chunks of frames with sparse samples have so many times the pixels: less rim, and fewer samples than
+ * pixels.
+ */
+enum { GW_SPARSE_CHUNK = 2 };
 
 #endif

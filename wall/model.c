@@ -85,7 +85,9 @@ gw_code gw_model_build(gw_model *model, const gw_draw_options *options, const gw
     int64_t begin = gw_now_ns();
     gw_octree *octree = NULL;
     gw_octree_options how = {.settings = &options->settings, .log = log};
+    gw_gl_reset_peak(model->device);
     gw_code code = gw_octree_build(model->device, model->scene, &how, &octree, error);
+    model->build_peak = gw_gl_usage_of(model->device).peak;
     if (!code)
         gw_model_keep(model, options, octree, begin, log);
     return code;

@@ -16,6 +16,7 @@ typedef struct gw_model {
     gw_octree *octree;
     double import_ms, build_ms; /* wall clock */
     int from_cache;             /* the octree was read, not built */
+    uint64_t build_peak;        /* most bytes of buffers on the GPU while it was built; 0 if it was not */
 } gw_model;
 
 /* Opens the device only. */

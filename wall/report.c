@@ -9,25 +9,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const keys[] = {"version",
-                                   "command",
-                                   "device",
-                                   "scene",
-                                   "octree",
-                                   "tiles",
-                                   "frames",
-                                   "frame_ms",
-                                   "counters",
-                                   "effects",
-                                   "profile",
-                                   "settings",
-                                   "predicted_error",
-                                   "latency_ms",
-                                   "swap_skew_ms",
-                                   "tracking",
-                                   "float_environment",
-                                   "build",
-                                   "image"};
+static const char *const keys[] = {"version",    "command",
+                                   "device",     "scene",
+                                   "octree",     "memory",
+                                   "tiles",      "frames",
+                                   "frame_ms",   "counters",
+                                   "effects",    "profile",
+                                   "settings",   "predicted_error",
+                                   "latency_ms", "swap_skew_ms",
+                                   "tracking",   "float_environment",
+                                   "build",      "image"};
 
 static json_t *command_text(int argc, char **argv) {
     size_t size = 1;

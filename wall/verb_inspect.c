@@ -2,7 +2,9 @@
 #include "wall/verbs.h"
 
 #include "base/gl_probe.h"
+#include "build/octree_picture.h"
 #include "wall/console.h"
+#include "wall/inspect_report.h"
 #include "wall/interrupt.h"
 #include "wall/model.h"
 #include "wall/picture.h"
@@ -22,12 +24,17 @@ typedef struct inspect_options {
     int validate;
 } inspect_options;
 
+enum { PICTURE_SIDE = 1024 }; /* px of the scene's longer side */
+
 enum { KEY_DEVICE = 0x4000, KEY_OUT, KEY_VALIDATE };
 
 static const struct argp_option options_table[] = {
     {"device", KEY_DEVICE, NULL, 0, "tell about the GL device instead of a scene: limits, float environment",
      1},
-    {"out", KEY_OUT, "FOLDER", 0, "write the report there, as inspect.json", 1},
+    {"out", KEY_OUT, "FOLDER", 0,
+     "write the report there, as inspect.json, and pictures of the octree's cells by level: levels_x.png, "
+     "levels_y.png, levels_z.png",
+     1},
     {"validate", KEY_VALIDATE, NULL, 0, "check every structural invariant of the octree on the GPU", 1},
     {0}};
 
@@ -205,6 +212,7 @@ static gw_code inspect_scene(gw_model *model, const inspect_options *o, const gw
                              gw_error *error) {
     gw_renderer *renderer = NULL;
     gw_renderer_options how = {.log = log};
+    gw_inspect_report inspected;
     gw_code code = gw_model_open(model, &o->draw, log, error);
     if (!code && o->validate)
         code = gw_octree_validate(model->device, model->scene, model->octree, error);
@@ -212,6 +220,8 @@ static gw_code inspect_scene(gw_model *model, const inspect_options *o, const gw
         code = gw_renderer_create(model->device, model->scene, model->octree, &how, &renderer, error);
     if (!code)
         code = gw_renderer_report(renderer, report, error);
+    if (!code)
+        code = gw_inspect_report_make(model, renderer, &inspected, error);
     gw_renderer_destroy(&renderer);
     if (code)
         return code;
@@ -220,17 +230,39 @@ static gw_code inspect_scene(gw_model *model, const inspect_options *o, const gw
     gw_report_scene(report, model->scene, model->import_ms);
     gw_report_octree(report, model->octree, model->scene, limits, model->build_ms, model->from_cache);
     gw_report_settings(report, &o->draw.settings);
+    gw_inspect_report_json(&inspected, model, report);
     if (o->draw.quiet)
         return GW_OK;
     print_scene(model->scene);
+    gw_inspect_print_mesh(&inspected, model->scene);
     print_octree(model->octree, model->scene, model->build_ms);
+    gw_inspect_print_levels(&inspected);
+    gw_inspect_print_memory(&inspected, model->scene);
     print_effects(report);
     if (o->validate)
         printf("validated          every invariant of the octree holds\n");
     return GW_OK;
 }
 
-static gw_code write_reports(const inspect_options *o, const json_t *report, gw_error *error) {
+/* levels_x.png, levels_y.png and levels_z.png in the folder. */
+static gw_code write_pictures(const gw_model *model, const char *folder, gw_error *error) {
+    gw_code code = GW_OK;
+    for (int axis = 0; !code && axis < 3; axis++) {
+        gw_image image = {0};
+        char *path = gw_picture_path(folder, "levels_%c.png", 'x' + axis);
+        code = path ? gw_octree_picture(model->scene, model->octree, axis, PICTURE_SIDE, &image, error)
+                    : gw_fail(error, GW_MACHINE, "memory is out while naming a picture");
+        if (!code)
+            code = gw_image_write_png(path, &image, "octree cells by level: a cut, the leaves from outside",
+                                      error);
+        gw_image_finish(&image);
+        free(path);
+    }
+    return code;
+}
+
+static gw_code write_files(const inspect_options *o, const gw_model *model, const json_t *report,
+                           gw_error *error) {
     gw_code code = GW_OK;
     gw_interrupt_hold();
     if (o->draw.report)
@@ -241,6 +273,8 @@ static gw_code write_reports(const inspect_options *o, const json_t *report, gw_
                     : gw_fail(error, GW_MACHINE, "memory is out while naming the report");
         free(path);
     }
+    if (!code && o->out && model->octree)
+        code = write_pictures(model, o->out, error);
     gw_interrupt_release();
     return code;
 }
@@ -269,7 +303,7 @@ int gw_verb_inspect(int argc, char **argv) {
         code = o.device ? inspect_device(&model, &o, &console.log, report, &error)
                         : inspect_scene(&model, &o, &console.log, report, &error);
     if (!code)
-        code = write_reports(&o, report, &error);
+        code = write_files(&o, &model, report, &error);
     gw_model_close(&model);
     json_decref(report);
     gw_console_finish(&console);

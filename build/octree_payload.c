@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { GROUP = 64, LIST_LIMIT = 256, ROW_BYTES = 16, SINGLE = (int)0x80000000u };
+enum { GROUP = 64, LIST_LIMIT = 256, BUCKETS = 32, ROW_BYTES = 16, SINGLE = (int)0x80000000u };
 enum {
     LOCATION_JOB_COUNT = 1,
     LOCATION_NODE_FIRST,
@@ -233,30 +233,41 @@ static uint32_t list_length(const gw_octree *octree, const gw_node *node) {
     return length;
 }
 
+/* The job of a leaf of `length` triangles; a job belongs to bucket min(length, BUCKETS) - 1. */
+static uint32_t bucket_of(uint32_t length) {
+    return (length < BUCKETS ? length : BUCKETS) - 1;
+}
+
 /* Leaves of the window, list entries [pass * LIST_LIMIT, ...): one invocation may only loop so often. Returns
- * the jobs in `jobs` and sets *more when a longer list is left. */
+ * the jobs in `jobs`, short lists first, and sets *more when a longer list is left. The invocations that a
+ * GPU runs side by side then have lists of one length; nobody waits for a longer one. */
 static uint32_t leaf_jobs(const payload_stage *stage, uint32_t level, uint32_t first, uint32_t count,
                           uint32_t pass, uint32_t (*jobs)[4], int *more) {
     const gw_octree *octree = stage->octree;
-    uint32_t jobs_made = 0;
+    const gw_node *nodes = octree->nodes + octree->level_begin[level];
+    uint32_t places[BUCKETS + 1] = {0}, after = pass * LIST_LIMIT;
     *more = 0;
     for (uint32_t i = first; i < first + count; ++i) {
-        const gw_node *node = &octree->nodes[octree->level_begin[level] + i];
-        const uint32_t *cell = stage->builder->levels[level].cells[i];
-        uint32_t kind = GW_NODE_KIND(node->bits);
-        if (kind == GW_KIND_INNER)
-            continue;
-        uint32_t length = list_length(octree, node);
-        *more |= length > (pass + 1) * LIST_LIMIT;
-        if (length <= pass * LIST_LIMIT)
-            continue;
-        jobs[jobs_made][0] = i;
-        jobs[jobs_made][1] = cell[0];
-        jobs[jobs_made][2] = cell[1] | (kind == GW_LEAF_SINGLE ? (uint32_t)SINGLE : 0u);
-        jobs[jobs_made][3] = node->link;
-        jobs_made++;
+        uint32_t length = GW_NODE_KIND(nodes[i].bits) == GW_KIND_INNER ? 0 : list_length(octree, &nodes[i]);
+        *more |= length > after + LIST_LIMIT;
+        if (length > after)
+            places[bucket_of(length) + 1]++;
     }
-    return jobs_made;
+    for (uint32_t b = 0; b < BUCKETS; ++b)
+        places[b + 1] += places[b];
+    for (uint32_t i = first; i < first + count; ++i) {
+        const uint32_t *cell = stage->builder->levels[level].cells[i];
+        uint32_t kind = GW_NODE_KIND(nodes[i].bits);
+        uint32_t length = kind == GW_KIND_INNER ? 0 : list_length(octree, &nodes[i]);
+        if (length <= after)
+            continue;
+        uint32_t *job = jobs[places[bucket_of(length)]++];
+        job[0] = i;
+        job[1] = cell[0];
+        job[2] = cell[1] | (kind == GW_LEAF_SINGLE ? (uint32_t)SINGLE : 0u);
+        job[3] = nodes[i].link;
+    }
+    return places[BUCKETS - 1];
 }
 
 static gw_code sum_leaves(payload_stage *stage, uint32_t level, uint32_t first, uint32_t count,

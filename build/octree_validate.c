@@ -93,6 +93,7 @@ static gw_code run_levels(const validation *v, gw_gl *device, const gw_scene *sc
         uint32_t first = octree->level_begin[level], last = octree->level_begin[level + 1];
         if (first == last)
             break;
+        gw_log_progress(gw_gl_log(device), "checking the octree", (double)level / (octree->depth + 1));
         glProgramUniform1ui(program, LOCATION_NODE_FIRST, first);
         glProgramUniform1ui(program, LOCATION_NODE_LAST, last);
         glProgramUniform1ui(program, LOCATION_LEVEL, level);

@@ -218,26 +218,16 @@ enum {
 
 static const char *const debug_names[] = {"none", "levels", "steps", "normals", "gaze"};
 
-static const struct argp_option draw_options[] = {
+static const struct argp_option scene_options[] = {
     {NULL, 0, NULL, 0, "What is drawn:", 10},
     {"scene", KEY_SCENE, "FILE", 0,
      "model (.gltf .glb .obj .ply .ply.gz .stl .off) or YAML scene; default: the embedded demo scene", 10},
     {"set", KEY_SET, "NAME=VALUE", 0, "any setting, may be repeated; 'gazewall settings' lists them", 10},
-    {"tau", KEY_TAU, "FOOTPRINTS", 0,
-     "0 to 64, default 1: outside the gaze a cell up to this many ray footprints wide stands for its "
-     "contents "
-     "(0: exact triangles everywhere); the same as --set tau=",
-     10},
-    {"seed", KEY_SEED, "N", 0, "0 to 4294967295, default 0: of every random number", 10},
-    {"time", KEY_TIME, "SECONDS", 0,
-     "0 to 1e6, default 0: where on the track's and the animation's clock the first frame stands", 10},
     {"animation", KEY_ANIMATION, "NAME", 0,
      "the animation of a glTF file that plays, looped: its name, its number from 0, all, or none; default: "
      "the "
      "first",
      10},
-    {"debug", KEY_DEBUG, "VIEW", 0,
-     "levels (red: triangles, green to blue: voxel levels), steps, normals, gaze, or none; default none", 10},
     {"cache", KEY_CACHE, "FOLDER", 0,
      "keep built octrees there and read them back in later runs, or 'none'; default: sim and render keep "
      "them "
@@ -247,11 +237,24 @@ static const struct argp_option draw_options[] = {
      "1 to 1048576, default 4096: what the cache folder may hold; the least recently used goes first", 10},
     {NULL, 0, NULL, 0, "What is told:", 11},
     {"report", KEY_REPORT, "FILE", 0, "write the report there, as JSON", 11},
-    {"count", KEY_COUNT, NULL, 0,
-     "count steps, node loads and triangle tests for the report (slower, same pixels)", 11},
     {"quiet", KEY_QUIET, NULL, 0, "no progress and no summary, only errors", 11},
     {"log", KEY_LOG, "LEVEL", 0, "error, warning, info or debug; default info", 11},
     {"shaders", KEY_SHADERS, "FOLDER", 0, "read the shaders there instead of the embedded ones", 11},
+    {0}};
+
+static const struct argp_option frame_options[] = {
+    {"tau", KEY_TAU, "FOOTPRINTS", 0,
+     "0 to 64, default 1: outside the gaze a cell up to this many ray footprints wide stands for its "
+     "contents "
+     "(0: exact triangles everywhere); the same as --set tau=",
+     10},
+    {"seed", KEY_SEED, "N", 0, "0 to 4294967295, default 0: of every random number", 10},
+    {"time", KEY_TIME, "SECONDS", 0,
+     "0 to 1e6, default 0: where on the track's and the animation's clock the first frame stands", 10},
+    {"debug", KEY_DEBUG, "VIEW", 0,
+     "levels (red: triangles, green to blue: voxel levels), steps, normals, gaze, or none; default none", 10},
+    {"count", KEY_COUNT, NULL, 0,
+     "count steps, node loads and triangle tests for the report (slower, same pixels)", 11},
     {0}};
 
 static gw_code set_debug(gw_draw_options *options, const char *word) {
@@ -339,7 +342,20 @@ static error_t parse_draw(int key, char *argument, struct argp_state *state) {
     return code ? EINVAL : 0;
 }
 
-const struct argp gw_draw_argp = {.options = draw_options, .parser = parse_draw};
+const struct argp gw_scene_argp = {.options = scene_options, .parser = parse_draw};
+static const struct argp frame_argp = {.options = frame_options, .parser = parse_draw};
+
+static error_t pass_on(int key, char *argument, struct argp_state *state) {
+    (void)argument;
+    if (key != ARGP_KEY_INIT)
+        return ARGP_ERR_UNKNOWN;
+    state->child_inputs[0] = state->child_inputs[1] = state->input;
+    return 0;
+}
+
+static const struct argp_child draw_children[] = {
+    {&gw_scene_argp, 0, NULL, 0}, {&frame_argp, 0, NULL, 0}, {0}};
+const struct argp gw_draw_argp = {.parser = pass_on, .children = draw_children};
 
 void gw_draw_options_init(gw_draw_options *options, gw_error *error) {
     memset(options, 0, sizeof *options);

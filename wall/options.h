@@ -35,6 +35,8 @@ void gw_draw_options_init(gw_draw_options *options, gw_error *error);
 
 /* As a child of a verb's argp; its input is a gw_draw_options. */
 extern const struct argp gw_draw_argp;
+/* The part of it that says which octree, for verbs that draw nothing. */
+extern const struct argp gw_scene_argp;
 
 /* Parses argv with argp. GW_OK with *helped = 1 when --help was asked for and has been printed. The parsers
  * of argp return EINVAL after gw_fail() on `error`. */

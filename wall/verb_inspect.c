@@ -35,7 +35,11 @@ static const struct argp_option options_table[] = {
      "write the report there, as inspect.json, and pictures of the octree's cells by level: levels_x.png, "
      "levels_y.png, levels_z.png",
      1},
-    {"validate", KEY_VALIDATE, NULL, 0, "check every structural invariant of the octree on the GPU", 1},
+    {"validate", KEY_VALIDATE, NULL, 0,
+     "check every node of the octree on the GPU: kinds, masks, links, lists, overlap, areas; what is wrong "
+     "is "
+     "named, and the exit code is 3",
+     1},
     {0}};
 
 static error_t parse_inspect(int key, char *argument, struct argp_state *state) {
@@ -65,7 +69,7 @@ static error_t parse_inspect(int key, char *argument, struct argp_state *state) 
     }
 }
 
-static const struct argp_child children[] = {{&gw_draw_argp, 0, NULL, 0}, {0}};
+static const struct argp_child children[] = {{&gw_scene_argp, 0, NULL, 0}, {0}};
 static const struct argp inspect_argp = {.options = options_table,
                                          .parser = parse_inspect,
                                          .args_doc = "[SCENE]",
@@ -208,6 +212,27 @@ static void print_effects(const json_t *report) {
                json_string_value(json_object_get(item, "why")));
 }
 
+/* Options that could change nothing are mistakes. */
+static gw_code check_options(const inspect_options *o, gw_error *error) {
+    const gw_draw_options *draw = &o->draw;
+    if (o->device && (draw->scene || draw->animation || draw->cache || o->validate))
+        return gw_fail(error, GW_BAD_INPUT, "--device tells about the GL device alone; leave out the scene");
+    for (size_t i = 0; i < gw_setting_count; i++) {
+        const gw_setting_row *row = &gw_setting_rows[i];
+        if (gw_setting_value(&draw->settings, row) == row->initial)
+            continue;
+        if (o->device)
+            return gw_fail(error, GW_BAD_INPUT,
+                           "--device tells about the GL device alone; leave out --set %s", row->name);
+        if (row->stage != GW_SETTING_BUILD)
+            return gw_fail(error, GW_BAD_INPUT,
+                           "--set %s changes frames, and inspect draws none; it takes the settings 'of the "
+                           "octree' in 'gazewall settings'",
+                           row->name);
+    }
+    return GW_OK;
+}
+
 static gw_code inspect_scene(gw_model *model, const inspect_options *o, const gw_log *log, json_t *report,
                              gw_error *error) {
     gw_renderer *renderer = NULL;
@@ -231,6 +256,8 @@ static gw_code inspect_scene(gw_model *model, const inspect_options *o, const gw
     gw_report_octree(report, model->octree, model->scene, limits, model->build_ms, model->from_cache);
     gw_report_settings(report, &o->draw.settings);
     gw_inspect_report_json(&inspected, model, report);
+    json_object_set_new(json_object_get(report, "octree"), "validated",
+                        o->validate ? json_true() : json_null());
     if (o->draw.quiet)
         return GW_OK;
     print_scene(model->scene);
@@ -290,8 +317,8 @@ int gw_verb_inspect(int argc, char **argv) {
     gw_code code = gw_arguments_parse(&inspect_argp, argc, argv, &o, &helped, &error);
     if (helped && !code)
         return GW_OK;
-    if (!code && o.device && (o.draw.scene || o.validate))
-        code = gw_fail(&error, GW_BAD_INPUT, "--device tells about the GL device alone; leave out the scene");
+    if (!code)
+        code = check_options(&o, &error);
     if (!code)
         code = gw_file_writable(o.draw.report, &error);
     if (!code && o.out)

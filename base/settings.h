@@ -30,6 +30,9 @@
            "any value gives the same pixels at tau 0", "largest fan that the fan rule keeps in one leaf")              \
     GW_ROW(isolation_rule, SWITCH, 1, 0, 1, "", BUILD, "", "small isolated things in coarse voxels against nodes",     \
            "off gives the same pixels at tau 0", "refine leaves whose triangles are a small isolated thing")           \
+    GW_ROW(dense_leaf, INTEGER, 64, 0, 65535, "", BUILD, "triangles", "tests per ray in dense cells against memory",   \
+           "0 (plain lists) gives the same pixels at tau 0",                                                           \
+           "a leaf with more triangles than this has boxes over its list (a small BVH); 0: none has")                  \
     GW_ROW(payload_texture_side, INTEGER, 256, 1, 4096, "", BUILD, "texels", "blur of textures in voxels against memory",      \
            "4096", "textures enter the voxels' colours through mip chains of at most this side")                       \
     GW_ROW(payload_rule, CHOICE, 0, 0, 1, "area|seed", BUILD, "", "colour and coverage of voxels against build time",   \

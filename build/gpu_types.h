@@ -16,6 +16,14 @@ typedef struct gw_payload {
     uint32_t color, normal, surface;
 } gw_payload;
 
+/* A box of a dense leaf. */
+typedef struct gw_box {
+    float low[3];
+    uint32_t link; /* first reference, or the box to go on with when this one is missed */
+    float high[3];
+    uint32_t triangles; /* and GW_BOX_LAST */
+} gw_box;
+
 /* A triangle for intersection, 48 bytes: three rebased vertices; the fourth words are free and zero. */
 typedef struct gw_gpu_triangle {
     float vertex[3][4];

@@ -213,6 +213,8 @@ void gw_octree_hash(gw_octree *octree) {
     hash = gw_hash_bytes(hash, octree->references, (size_t)gw_octree_reference_bytes(octree));
     if (octree->emissions)
         hash = gw_hash_bytes(hash, octree->emissions, (size_t)gw_octree_emission_bytes(octree));
+    if (octree->boxes)
+        hash = gw_hash_bytes(hash, octree->boxes, (size_t)gw_octree_box_bytes(octree));
     octree->hash = hash;
 }
 
@@ -238,6 +240,12 @@ gw_code gw_octree_run(gw_octree_builder *builder, gw_octree *octree, gw_error *e
         code = gw_octree_payload(builder, &all, octree, error); /* fills milliseconds[1] and [2] */
     octree->statistics.milliseconds[0] = refine_ms;
     octree->statistics.milliseconds[3] = assemble_ms;
+    return code == GW_OK ? gw_octree_complete(builder, octree, error) : code;
+}
+
+gw_code gw_octree_complete(const gw_octree_builder *builder, gw_octree *octree, gw_error *error) {
+    gw_code code =
+        gw_octree_add_boxes(builder->scene, (uint32_t)builder->settings->dense_leaf, octree, error);
     if (code == GW_OK)
         gw_octree_hash(octree);
     return code;
@@ -285,6 +293,7 @@ void gw_octree_destroy(gw_octree **octree) {
         free((*octree)->payloads);
         free((*octree)->references);
         free((*octree)->emissions);
+        free((*octree)->boxes);
     }
     free((*octree)->block);
     free(*octree);
@@ -305,4 +314,8 @@ uint64_t gw_octree_reference_bytes(const gw_octree *octree) {
 
 uint64_t gw_octree_emission_bytes(const gw_octree *octree) {
     return octree->emissions ? (uint64_t)octree->node_count * sizeof *octree->emissions : 0;
+}
+
+uint64_t gw_octree_box_bytes(const gw_octree *octree) {
+    return (uint64_t)octree->box_count * sizeof *octree->boxes;
 }

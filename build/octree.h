@@ -31,6 +31,7 @@ typedef struct gw_octree_statistics {
     uint64_t stopped_fan;      /* leaves by the fan rule */
     uint64_t stopped_depth;    /* leaves at the depth limit with more than K triangles */
     uint64_t refined_isolated; /* cells refined only because of the isolation rule */
+    uint64_t dense_leaves;     /* leaves whose list stands under boxes */
     uint32_t longest_list;     /* triangles in the fullest leaf */
     uint32_t deepest;          /* deepest level that has a node */
     uint32_t parts;            /* slices the build was cut into to stay below the driver's limits */
@@ -39,15 +40,16 @@ typedef struct gw_octree_statistics {
 
 typedef struct gw_octree {
     uint32_t depth; /* the depth limit it was built with */
-    uint32_t node_count, reference_count;
+    uint32_t node_count, reference_count, box_count;
     uint32_t
         level_begin[GW_OCTREE_MAXIMUM_DEPTH + 2]; /* first node of each level; [depth + 1] is node_count */
     uint32_t node_room, reference_room;           /* that the arrays have, where they are owned */
     gw_node *nodes;                               /* [node_count] */
     gw_payload *payloads;                         /* [node_count] */
     uint32_t *references;                         /* [reference_count], entry 0 reserved */
+    gw_box *boxes;       /* [box_count] over the lists of dense leaves; NULL without any */
     uint32_t *emissions; /* [node_count] emitted radiance; NULL when no material in use emits light */
-    gw_hash hash;        /* of depth, nodes, payloads, references */
+    gw_hash hash;        /* of depth and all arrays */
     int borrowed;        /* 1: the arrays belong to somebody else (a shared segment) or to the block */
     void *block;         /* owned; the arrays of an octree from the cache lie in it. NULL otherwise */
     gw_octree_statistics statistics;
@@ -82,6 +84,9 @@ void gw_octree_rebuilder_destroy(gw_octree_rebuilder **rebuilder);
  * names the first node that fails. */
 gw_code gw_octree_validate(gw_gl *device, const gw_scene *scene, const gw_octree *octree, gw_error *error);
 
+/* Index of the first reference of a leaf's list; 0 for nodes without one. */
+uint32_t gw_octree_first_reference(const gw_octree *octree, const gw_node *node);
+
 /* Sets octree->hash from its contents. */
 void gw_octree_hash(gw_octree *octree);
 
@@ -90,5 +95,6 @@ uint64_t gw_octree_node_bytes(const gw_octree *octree);
 uint64_t gw_octree_payload_bytes(const gw_octree *octree);
 uint64_t gw_octree_reference_bytes(const gw_octree *octree);
 uint64_t gw_octree_emission_bytes(const gw_octree *octree); /* 0 without emission */
+uint64_t gw_octree_box_bytes(const gw_octree *octree);      /* 0 without dense leaves */
 
 #endif

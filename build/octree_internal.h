@@ -87,4 +87,14 @@ typedef struct gw_payload_range {
 gw_code gw_octree_payload(gw_octree_builder *builder, const gw_payload_range *range, gw_octree *octree,
                           gw_error *error);
 
+/* What remains when nodes and payloads are there: boxes and hash. */
+gw_code gw_octree_complete(const gw_octree_builder *builder, gw_octree *octree, gw_error *error);
+
+/* Puts boxes over every list longer than most_triangles (0: over none) and makes its leaf dense. The last
+ * step before the hash: the payload stage knows plain lists only. */
+gw_code gw_octree_add_boxes(const gw_scene *scene, uint32_t most_triangles, gw_octree *octree,
+                            gw_error *error);
+/* How many boxes it puts over a list of that length. */
+uint64_t gw_octree_boxes_of(uint64_t length, uint32_t most_triangles);
+
 #endif

@@ -429,9 +429,7 @@ static gw_code run_join(gw_octree_builder *builder, header *heads, const gw_octr
         code = finish_payload(builder, sums, octree, error);
     free(sums);
     octree->statistics.milliseconds[3] = (double)(gw_now_ns() - start) * 1e-6;
-    if (!code)
-        gw_octree_hash(octree);
-    return code;
+    return code ? code : gw_octree_complete(builder, octree, error);
 }
 
 gw_code gw_octree_join(gw_gl *device, const gw_scene *scene, const gw_octree_options *options,

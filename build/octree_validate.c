@@ -12,7 +12,8 @@ enum {
     LOCATION_LEVEL,
     LOCATION_NODE_COUNT,
     LOCATION_REFERENCE_COUNT,
-    LOCATION_TRIANGLE_COUNT
+    LOCATION_TRIANGLE_COUNT,
+    LOCATION_BOX_COUNT
 };
 enum { GROUP = 64 };
 
@@ -30,12 +31,12 @@ static const char *const check_texts[] = {
 };
 
 typedef struct validation {
-    gw_gl_buffer triangles, nodes, references, payloads, failure, cells, parents;
+    gw_gl_buffer triangles, nodes, references, payloads, boxes, failure, cells, parents;
 } validation;
 
 static void finish_validation(validation *v) {
-    gw_gl_buffer *all[] = {&v->triangles, &v->nodes, &v->references, &v->payloads,
-                           &v->failure,   &v->cells, &v->parents};
+    gw_gl_buffer *all[] = {&v->triangles, &v->nodes,   &v->references, &v->payloads,
+                           &v->boxes,     &v->failure, &v->cells,      &v->parents};
     for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
         gw_gl_buffer_finish(all[i]);
 }
@@ -61,6 +62,9 @@ static gw_code upload(validation *v, gw_gl *device, const gw_scene *scene, const
     if (code == GW_OK)
         code = gw_gl_buffer_create(device, "payloads", (size_t)gw_octree_payload_bytes(octree),
                                    octree->payloads, GL_RGB32UI, &v->payloads, error);
+    if (code == GW_OK && octree->boxes)
+        code = gw_gl_buffer_create(device, "boxes", (size_t)gw_octree_box_bytes(octree), octree->boxes,
+                                   GL_RGBA32UI, &v->boxes, error);
     if (code == GW_OK)
         code = gw_gl_buffer_create(device, "failure", sizeof none, &none, 0, &v->failure, error);
     if (code == GW_OK)
@@ -83,12 +87,15 @@ static gw_code run_levels(const validation *v, gw_gl *device, const gw_scene *sc
     gw_gl_texture_bind(&v->nodes, 1);
     gw_gl_texture_bind(&v->references, 2);
     gw_gl_texture_bind(&v->payloads, 3);
+    if (octree->boxes)
+        gw_gl_texture_bind(&v->boxes, 4);
     gw_gl_buffer_bind(&v->failure, 0);
     gw_gl_buffer_bind(&v->cells, 1);
     gw_gl_buffer_bind(&v->parents, 2);
     glProgramUniform1ui(program, LOCATION_NODE_COUNT, octree->node_count);
     glProgramUniform1ui(program, LOCATION_REFERENCE_COUNT, octree->reference_count);
     glProgramUniform1ui(program, LOCATION_TRIANGLE_COUNT, scene->triangle_count);
+    glProgramUniform1ui(program, LOCATION_BOX_COUNT, octree->box_count);
     for (uint32_t level = 0; code == GW_OK && level <= octree->depth; ++level) {
         uint32_t first = octree->level_begin[level], last = octree->level_begin[level + 1];
         if (first == last)
@@ -116,6 +123,73 @@ static gw_code check_parents(const validation *v, const gw_octree *octree, gw_er
     return code;
 }
 
+/* One dense leaf while its boxes are checked. */
+typedef struct box_walk {
+    const gw_scene *scene;
+    const gw_octree *octree;
+    uint32_t box, reference; /* the next of each */
+} box_walk;
+
+/* Every part of `inner` lies in `outer`. */
+static int holds(const gw_box *outer, const float low[3], const float high[3]) {
+    for (int axis = 0; axis < 3; ++axis)
+        if (!(low[axis] >= outer->low[axis] && high[axis] <= outer->high[axis]))
+            return 0;
+    return 1;
+}
+
+static int holds_triangles(box_walk *walk, const gw_box *box) {
+    const gw_octree *octree = walk->octree;
+    uint32_t count = GW_BOX_TRIANGLES(box->triangles);
+    if (box->link != walk->reference || count > octree->reference_count - box->link)
+        return 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        uint32_t triangle = octree->references[walk->reference++] & GW_REFERENCE_ID;
+        for (int k = 0; k < 3; ++k) {
+            const float *p = walk->scene->positions + (size_t)walk->scene->triangles[triangle][k] * 3;
+            if (!holds(box, p, p))
+                return 0;
+        }
+    }
+    return 1;
+}
+
+/* The box at walk->box and all below it: in order, linked on, around what they hold; last: nothing of the
+ * leaf follows. */
+static int check_boxes_below(box_walk *walk, int last, int levels_left) {
+    const gw_octree *octree = walk->octree;
+    if (walk->box >= octree->box_count || levels_left == 0)
+        return 0;
+    const gw_box *box = &octree->boxes[walk->box++];
+    if (GW_BOX_TRIANGLES(box->triangles) > 0)
+        return !(box->triangles & GW_BOX_LAST) == !last && holds_triangles(walk, box);
+    for (int half = 0; half < 2; ++half) {
+        const gw_box *child = &octree->boxes[walk->box];
+        if (!check_boxes_below(walk, last && half == 1, levels_left - 1) ||
+            !holds(box, child->low, child->high))
+            return 0;
+    }
+    return box->link == (last ? 0 : walk->box);
+}
+
+/* The boxes of dense leaves, on the host: they are few and their order is a walk. */
+static gw_code check_dense(const gw_scene *scene, const gw_octree *octree, gw_error *error) {
+    enum { MOST_LEVELS = 256 };
+    box_walk walk = {.scene = scene, .octree = octree};
+    for (uint32_t i = 0; i < octree->node_count; ++i) {
+        if (GW_NODE_KIND(octree->nodes[i].bits) != GW_LEAF_DENSE)
+            continue;
+        int sound = octree->nodes[i].link == walk.box && walk.box < octree->box_count;
+        if (sound)
+            walk.reference = gw_octree_first_reference(octree, &octree->nodes[i]);
+        if (!sound || !check_boxes_below(&walk, 1, MOST_LEVELS) ||
+            !(octree->references[walk.reference - 1] & GW_REFERENCE_LAST))
+            return gw_fail(error, GW_MACHINE,
+                           "octree node %" PRIu32 " has boxes that do not cover its list in order", i);
+    }
+    return GW_OK;
+}
+
 gw_code gw_octree_validate(gw_gl *device, const gw_scene *scene, const gw_octree *octree, gw_error *error) {
     validation v = {0};
     uint32_t failure = UINT32_MAX;
@@ -131,6 +205,8 @@ gw_code gw_octree_validate(gw_gl *device, const gw_scene *scene, const gw_octree
     }
     if (code == GW_OK)
         code = check_parents(&v, octree, error);
+    if (code == GW_OK)
+        code = check_dense(scene, octree, error);
     finish_validation(&v);
     return code;
 }

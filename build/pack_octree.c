@@ -6,7 +6,7 @@
 #include <string.h>
 
 enum { STATISTICS = 16, LEVELS = GW_OCTREE_MAXIMUM_DEPTH + 2 };
-typedef enum section { NODES, PAYLOADS, REFERENCES, EMISSIONS, SECTION_COUNT } section;
+typedef enum section { NODES, PAYLOADS, REFERENCES, EMISSIONS, BOXES, SECTION_COUNT } section;
 _Static_assert((int)SECTION_COUNT == (int)GW_OCTREE_SECTIONS, "the header states the number of sections");
 
 typedef struct header {
@@ -27,10 +27,10 @@ static const gw_block_head kind = {.magic = {'G', 'W', 'O', 'C', 'T', 'R', 'E', 
 static const char what[] = "the octree";
 
 static void put_statistics(const gw_octree_statistics *s, uint64_t out[STATISTICS]) {
-    const uint64_t values[] = {s->pairs,        s->overlap_tests, s->inner,
-                               s->leaves,       s->single_leaves, s->stopped_small,
-                               s->stopped_fan,  s->stopped_depth, s->refined_isolated,
-                               s->longest_list, s->deepest,       s->parts};
+    const uint64_t values[] = {
+        s->pairs,         s->overlap_tests, s->inner,         s->leaves,           s->single_leaves,
+        s->stopped_small, s->stopped_fan,   s->stopped_depth, s->refined_isolated, s->longest_list,
+        s->deepest,       s->parts,         s->dense_leaves};
     memcpy(out, values, sizeof values);
 }
 
@@ -44,6 +44,7 @@ static void get_statistics(const uint64_t in[STATISTICS], gw_octree_statistics *
     s->longest_list = (uint32_t)in[WIDE];
     s->deepest = (uint32_t)in[WIDE + 1];
     s->parts = (uint32_t)in[WIDE + 2];
+    s->dense_leaves = in[WIDE + 3];
 }
 
 static void make_header(const gw_octree *octree, header *head) {
@@ -59,6 +60,7 @@ static void make_header(const gw_octree *octree, header *head) {
     head->sections[PAYLOADS].size = gw_octree_payload_bytes(octree);
     head->sections[REFERENCES].size = gw_octree_reference_bytes(octree);
     head->sections[EMISSIONS].size = gw_octree_emission_bytes(octree);
+    head->sections[BOXES].size = gw_octree_box_bytes(octree);
     head->head.size = gw_block_place(sizeof *head, head->sections, SECTION_COUNT);
 }
 
@@ -74,7 +76,8 @@ void gw_pack_octree(const gw_octree *octree, void *block) {
     const void *arrays[SECTION_COUNT] = {[NODES] = octree->nodes,
                                          [PAYLOADS] = octree->payloads,
                                          [REFERENCES] = octree->references,
-                                         [EMISSIONS] = octree->emissions};
+                                         [EMISSIONS] = octree->emissions,
+                                         [BOXES] = octree->boxes};
     memset(block, 0, (size_t)head.head.size);
     memcpy(block, &head, sizeof head);
     for (int i = 0; i < SECTION_COUNT; i++)
@@ -98,11 +101,12 @@ static gw_code check_levels(const header *head, gw_error *error) {
 
 static gw_code check_sections(const header *head, size_t size, gw_error *error) {
     const uint64_t nodes = head->node_count;
-    const uint64_t sizes[SECTION_COUNT] = {[NODES] = nodes * sizeof(gw_node),
-                                           [PAYLOADS] = nodes * sizeof(gw_payload),
-                                           [REFERENCES] = (uint64_t)head->reference_count * sizeof(uint32_t),
-                                           [EMISSIONS] =
-                                               head->sections[EMISSIONS].size ? nodes * sizeof(uint32_t) : 0};
+    const uint64_t sizes[SECTION_COUNT] = {
+        [NODES] = nodes * sizeof(gw_node),
+        [PAYLOADS] = nodes * sizeof(gw_payload),
+        [REFERENCES] = (uint64_t)head->reference_count * sizeof(uint32_t),
+        [EMISSIONS] = head->sections[EMISSIONS].size ? nodes * sizeof(uint32_t) : 0,
+        [BOXES] = head->sections[BOXES].size / sizeof(gw_box) * sizeof(gw_box)};
     return gw_block_check_spans(head->sections, sizes, SECTION_COUNT, size, what, error);
 }
 
@@ -130,10 +134,29 @@ gw_code gw_unpack_octree(const void *block, size_t size, gw_octree *out, gw_erro
     out->payloads = (void *)(bytes + head.sections[PAYLOADS].offset);
     out->references = (void *)(bytes + head.sections[REFERENCES].offset);
     out->emissions = head.sections[EMISSIONS].size ? (void *)(bytes + head.sections[EMISSIONS].offset) : NULL;
+    out->box_count = (uint32_t)(head.sections[BOXES].size / sizeof(gw_box));
+    out->boxes = out->box_count ? (void *)(bytes + head.sections[BOXES].offset) : NULL;
     out->hash = head.hash;
     out->borrowed = 1;
     get_statistics(head.statistics, &out->statistics);
     return out->statistics.deepest <= out->depth ? GW_OK : damaged(error, "its counts contradict each other");
+}
+
+/* Every box leads on to a later one, or to references of the octree; the last one leads nowhere. */
+static gw_code check_boxes(const gw_octree *octree, gw_error *error) {
+    for (uint32_t i = 0; i < octree->box_count; ++i) {
+        const gw_box *box = &octree->boxes[i];
+        uint32_t triangles = GW_BOX_TRIANGLES(box->triangles);
+        int end = i + 1 == octree->box_count;
+        int sound = triangles > 0
+                        ? triangles <= GW_BOX_MOST_TRIANGLES && box->link > 0 &&
+                              box->link + (uint64_t)triangles <= octree->reference_count &&
+                              (!end || (box->triangles & GW_BOX_LAST))
+                        : !end && (box->link == 0 || box->link > i) && box->link < octree->box_count;
+        if (!sound)
+            return gw_fail(error, GW_BAD_INPUT, "its box %" PRIu32 " points outside its arrays", i);
+    }
+    return GW_OK;
 }
 
 gw_code gw_octree_check_links(const gw_octree *octree, uint32_t triangle_count, gw_error *error) {
@@ -153,9 +176,10 @@ gw_code gw_octree_check_links(const gw_octree *octree, uint32_t triangle_count, 
                         ? children > 0 && node.link > i && node.link <= octree->node_count - children
                     : node_kind == GW_LEAF_LIST   ? node.link > 0 && node.link < count
                     : node_kind == GW_LEAF_SINGLE ? node.link < triangle_count
+                    : node_kind == GW_LEAF_DENSE  ? node.link < octree->box_count
                                                   : 0;
         if (!sound || (i == 0 && node_kind != GW_KIND_INNER))
             return gw_fail(error, GW_BAD_INPUT, "its node %" PRIu32 " points outside its arrays", i);
     }
-    return GW_OK;
+    return check_boxes(octree, error);
 }

@@ -12,9 +12,9 @@
  *   48   4    references
  *   52   68   first node of each level, 17 numbers of 4 bytes
  *   120  128  16 statistics of 8 bytes: pairs, overlap tests, inner, leaves, single leaves, leaves by K, by fan, by depth,
- *             cells refined as isolated, longest list, deepest level, parts, and four zeros
+ *             cells refined as isolated, longest list, deepest level, parts, dense leaves, and three zeros
  *   248       offset and size, 8 bytes each, of the sections, which follow at multiples of 64: nodes (8 bytes each),
- *             payloads (12), references (4), emissions (4 a node; empty where nothing emits light)
+ *             payloads (12), references (4), emissions (4 a node; empty where nothing emits light), boxes of dense leaves (32)
  */
 /* clang-format on */
 #ifndef GW_BUILD_PACK_OCTREE_H
@@ -25,7 +25,7 @@
 
 #include <stddef.h>
 
-enum { GW_OCTREE_BLOCK_VERSION = 5, GW_OCTREE_SECTIONS = 4 };
+enum { GW_OCTREE_BLOCK_VERSION = 6, GW_OCTREE_SECTIONS = 5 };
 
 /* Bytes that gw_pack_octree writes. */
 size_t gw_pack_octree_size(const gw_octree *octree);

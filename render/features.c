@@ -17,6 +17,7 @@ const gw_feature_row gw_feature_rows[] = {
     {GW_FEATURE_WIDE_NODES, "wide-nodes", "WIDE_NODES", "the octree has at most 2^24 nodes"},
     {GW_FEATURE_SPARSE, "sparse-samples", "SPARSE",
      "no gaze is known, or sample_block is 1: a ray per pixel"},
+    {GW_FEATURE_DENSE_LEAVES, "dense-leaves", "DENSE_LEAVES", "no leaf has more than dense_leaf triangles"},
 };
 const size_t gw_feature_count = sizeof gw_feature_rows / sizeof gw_feature_rows[0];
 
@@ -57,6 +58,8 @@ uint32_t gw_features_of_scene(const gw_scene *scene, const gw_octree *octree) {
             scene->lights[i].kind == GW_LIGHT_POINT ? GW_FEATURE_POINT_LIGHTS : GW_FEATURE_DIRECTIONAL_LIGHTS;
     if (octree->node_count > 1u << 24)
         bits |= GW_FEATURE_WIDE_NODES;
+    if (octree->box_count > 0)
+        bits |= GW_FEATURE_DENSE_LEAVES;
     return bits;
 }
 

@@ -21,10 +21,11 @@ typedef enum gw_feature {
     GW_FEATURE_ALPHA = 1 << 4, /* masks and blending */
     GW_FEATURE_DIRECTIONAL_LIGHTS = 1 << 5,
     GW_FEATURE_POINT_LIGHTS = 1 << 6,
-    GW_FEATURE_LOD = 1 << 7,        /* voxels beside triangles */
-    GW_FEATURE_GAZE = 1 << 8,       /* footprints that depend on where viewers look */
-    GW_FEATURE_WIDE_NODES = 1 << 9, /* more than 2^24 octree nodes */
-    GW_FEATURE_SPARSE = 1 << 10     /* fewer rays than pixels where viewers cannot tell */
+    GW_FEATURE_LOD = 1 << 7,          /* voxels beside triangles */
+    GW_FEATURE_GAZE = 1 << 8,         /* footprints that depend on where viewers look */
+    GW_FEATURE_WIDE_NODES = 1 << 9,   /* more than 2^24 octree nodes */
+    GW_FEATURE_SPARSE = 1 << 10,      /* fewer rays than pixels where viewers cannot tell */
+    GW_FEATURE_DENSE_LEAVES = 1 << 11 /* lists under boxes */
 } gw_feature;
 
 typedef struct gw_feature_row {

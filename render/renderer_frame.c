@@ -44,15 +44,16 @@ static gw_kernel_key key_of(const gw_renderer *renderer, const gw_frame_state *s
 
 /* Tracing knows nothing of what only shading needs, and the other way round, so that kernels are shared. */
 static gw_code kernels_of(frame_job *job, int resume, gw_error *error) {
+    const uint32_t walk_features = GW_FEATURE_WIDE_NODES | GW_FEATURE_DENSE_LEAVES;
     const uint32_t trace_features =
-        GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_ALPHA | GW_FEATURE_WIDE_NODES | GW_FEATURE_SPARSE;
+        GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_ALPHA | GW_FEATURE_SPARSE | walk_features;
     gw_kernel_key trace = job->key, shade = job->key;
     trace.features &= trace_features;
     trace.texture_classes = 0;
     trace.voxel_emission = 0;
     trace.debug = GW_DEBUG_NONE;
     trace.resume = shade.resume = resume;
-    shade.features &= ~(uint32_t)GW_FEATURE_WIDE_NODES;
+    shade.features &= ~walk_features;
     shade.loop_budget = 0;
     shade.voxels_only = shade.level_blend = shade.leaf_blend = shade.double_edges = 0;
     gw_code code = gw_renderer_kernel(job->renderer, "trace/primary.comp", &trace, NULL, &job->trace, error);

@@ -9,8 +9,8 @@ enum { BRUTE_FORCE_RANGE = 32768 };
 _Static_assert(sizeof(gw_ray) == 32 && sizeof(gw_hit) == 8, "as trace/rays.comp reads and writes them");
 
 static gw_kernel_key ray_key(const gw_renderer *renderer) {
-    return (gw_kernel_key){.features =
-                               (renderer->scene_features | renderer->forced_features) & GW_FEATURE_WIDE_NODES,
+    return (gw_kernel_key){.features = (renderer->scene_features | renderer->forced_features) &
+                                       (GW_FEATURE_WIDE_NODES | GW_FEATURE_DENSE_LEAVES),
                            .depth = renderer->octree->depth,
                            .loop_budget = renderer->loop_budget,
                            .count = renderer->count};

@@ -159,6 +159,9 @@ static gw_code upload_octree(gw_gl *device, const gw_octree *octree, gw_scene_bu
     if (!code && octree->emissions)
         code = gw_gl_buffer_create(device, "emissions of voxels", (size_t)gw_octree_emission_bytes(octree),
                                    octree->emissions, GL_R32UI, &out->emissions, error);
+    if (!code && octree->boxes)
+        code = gw_gl_buffer_create(device, "boxes of dense leaves", (size_t)gw_octree_box_bytes(octree),
+                                   octree->boxes, GL_RGBA32UI, &out->boxes, error);
     return code;
 }
 
@@ -199,9 +202,9 @@ gw_code gw_scene_buffers_move(gw_gl *device, const gw_scene *scene, const gw_oct
 
 void gw_scene_buffers_finish(gw_scene_buffers *buffers) {
     gw_texture_set_finish(&buffers->textures);
-    gw_gl_buffer *all[] = {&buffers->nodes,     &buffers->references, &buffers->triangles,
-                           &buffers->payloads,  &buffers->faces,      &buffers->vertices,
-                           &buffers->materials, &buffers->lights,     &buffers->emissions};
+    gw_gl_buffer *all[] = {&buffers->nodes,     &buffers->references, &buffers->triangles, &buffers->payloads,
+                           &buffers->faces,     &buffers->vertices,   &buffers->materials, &buffers->lights,
+                           &buffers->emissions, &buffers->boxes};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
         gw_gl_buffer_finish(all[i]);
     memset(buffers, 0, sizeof *buffers);
@@ -219,12 +222,14 @@ void gw_scene_buffers_bind(const gw_scene_buffers *buffers, uint32_t texture_fil
     gw_texture_set_bind(&buffers->textures, texture_filter, 8);
     if (buffers->emissions.texture)
         gw_gl_texture_bind(&buffers->emissions, 8 + GW_MAXIMUM_TEXTURE_CLASSES);
+    if (buffers->boxes.texture)
+        gw_gl_texture_bind(&buffers->boxes, 9 + GW_MAXIMUM_TEXTURE_CLASSES);
 }
 
 uint64_t gw_scene_buffers_bytes(const gw_scene_buffers *buffers) {
-    const gw_gl_buffer *all[] = {&buffers->nodes,     &buffers->references, &buffers->triangles,
-                                 &buffers->payloads,  &buffers->faces,      &buffers->vertices,
-                                 &buffers->materials, &buffers->lights,     &buffers->emissions};
+    const gw_gl_buffer *all[] = {
+        &buffers->nodes,    &buffers->references, &buffers->triangles, &buffers->payloads,  &buffers->faces,
+        &buffers->vertices, &buffers->materials,  &buffers->lights,    &buffers->emissions, &buffers->boxes};
     uint64_t bytes = buffers->textures.bytes;
     for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
         bytes += all[i]->size;

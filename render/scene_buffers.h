@@ -12,7 +12,7 @@
 #include <stdint.h>
 
 typedef struct gw_scene_buffers {
-    gw_gl_buffer nodes, references, triangles, payloads, emissions, faces, vertices, materials, lights;
+    gw_gl_buffer nodes, references, triangles, payloads, emissions, boxes, faces, vertices, materials, lights;
     gw_texture_set textures;
     uint32_t directional_count, point_count; /* lights, in this order in the buffer */
 } gw_scene_buffers;

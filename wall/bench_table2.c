@@ -61,7 +61,7 @@ static gw_settings settings_of(const gw_bench *bench, rules which) {
         settings.octree_depth = bench->quick ? QUICK_DEPTH : PAPER_DEPTH;
     if (which == EVERYWHERE || which == PAPER_STOP) {
         settings.leaf_triangles = which == EVERYWHERE ? 0 : 2;
-        settings.fan_rule = settings.isolation_rule = 0;
+        settings.fan_rule = settings.isolation_rule = settings.dense_leaf = 0;
     }
     return settings;
 }

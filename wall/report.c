@@ -125,14 +125,15 @@ void gw_report_scene(json_t *report, const gw_scene *scene, double import_ms) {
 }
 
 static json_t *statistics_of(const gw_octree_statistics *s) {
-    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:{s:f, s:f, s:f, s:f}}",
+    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:{s:f, s:f, s:f, s:f}}",
                      "pairs", count(s->pairs), "overlap_tests", count(s->overlap_tests), "inner",
                      count(s->inner), "single_leaves", count(s->single_leaves), "stopped_small",
                      count(s->stopped_small), "stopped_fan", count(s->stopped_fan), "stopped_depth",
-                     count(s->stopped_depth), "refined_isolated", count(s->refined_isolated), "longest_list",
-                     count(s->longest_list), "deepest", count(s->deepest), "parts", count(s->parts),
-                     "phases_ms", "refinement", s->milliseconds[0], "leaf_payload", s->milliseconds[1],
-                     "inner_payload", s->milliseconds[2], "assembly", s->milliseconds[3]);
+                     count(s->stopped_depth), "refined_isolated", count(s->refined_isolated), "dense_leaves",
+                     count(s->dense_leaves), "longest_list", count(s->longest_list), "deepest",
+                     count(s->deepest), "parts", count(s->parts), "phases_ms", "refinement",
+                     s->milliseconds[0], "leaf_payload", s->milliseconds[1], "inner_payload",
+                     s->milliseconds[2], "assembly", s->milliseconds[3]);
 }
 
 uint64_t gw_triangle_bytes(const gw_scene *scene) {
@@ -142,16 +143,16 @@ uint64_t gw_triangle_bytes(const gw_scene *scene) {
 
 void gw_report_octree(json_t *report, const gw_octree *octree, const gw_scene *scene,
                       const gw_gl_limits *limits, double build_ms, int from_cache) {
-    json_t *object = json_pack("{s:o, s:o, s:o, s:o, s:{s:o, s:o, s:o, s:o, s:o}, s:f, s:f, s:o}", "hash",
-                               hash_text(octree->hash), "depth", count(octree->depth), "nodes",
-                               count(octree->node_count), "leaves", count(octree->statistics.leaves), "bytes",
-                               "nodes", count(octree->statistics.inner * sizeof(gw_node)), "leaves",
-                               count(octree->statistics.leaves * sizeof(gw_node)), "references",
-                               count(gw_octree_reference_bytes(octree)), "payload",
-                               count((gw_octree_payload_bytes(octree) + gw_octree_emission_bytes(octree))),
-                               "triangles", count(gw_triangle_bytes(scene)), "references_per_triangle",
-                               (double)octree->reference_count / (double)scene->triangle_count, "build_ms",
-                               build_ms, "statistics", statistics_of(&octree->statistics));
+    json_t *object = json_pack(
+        "{s:o, s:o, s:o, s:o, s:{s:o, s:o, s:o, s:o, s:o, s:o}, s:f, s:f, s:o}", "hash",
+        hash_text(octree->hash), "depth", count(octree->depth), "nodes", count(octree->node_count), "leaves",
+        count(octree->statistics.leaves), "bytes", "nodes", count(octree->statistics.inner * sizeof(gw_node)),
+        "leaves", count(octree->statistics.leaves * sizeof(gw_node)), "references",
+        count(gw_octree_reference_bytes(octree)), "payload",
+        count((gw_octree_payload_bytes(octree) + gw_octree_emission_bytes(octree))), "boxes",
+        count(gw_octree_box_bytes(octree)), "triangles", count(gw_triangle_bytes(scene)),
+        "references_per_triangle", (double)octree->reference_count / (double)scene->triangle_count,
+        "build_ms", build_ms, "statistics", statistics_of(&octree->statistics));
     json_object_set_new(report, "octree", object);
     json_object_set_new(report, "build",
                         json_pack("{s:s, s:o}", "partition", from_cache ? "cache" : "rank 0", "driver",

@@ -184,16 +184,20 @@ static void print_octree(const gw_octree *t, const gw_scene *scene, double build
     printf("    leaves because few triangles %" PRIu64 ", one shared vertex %" PRIu64 ", depth limit %" PRIu64
            "; longest list %" PRIu32 "\n",
            s->stopped_small, s->stopped_fan, s->stopped_depth, s->longest_list);
+    if (s->dense_leaves > 0)
+        printf("    dense          %" PRIu64 " leaves with %" PRIu32 " boxes over their lists\n",
+               s->dense_leaves, t->box_count);
     printf("    isolated       %" PRIu64 " cells refined for small things\n", s->refined_isolated);
     printf("    references     %" PRIu32 ", %.2f a triangle; %" PRIu64 " pairs, %" PRIu64 " overlap tests\n",
            t->reference_count, (double)t->reference_count / scene->triangle_count, s->pairs,
            s->overlap_tests);
-    printf("    memory         nodes %.2f, payload %.2f, references %.2f MiB; %.0f bytes a triangle\n",
+    printf("    memory         nodes %.2f, payload %.2f, references %.2f, boxes %.2f MiB; %.0f bytes a "
+           "triangle\n",
            (double)gw_octree_node_bytes(t) / mib,
            (double)(gw_octree_payload_bytes(t) + gw_octree_emission_bytes(t)) / mib,
-           (double)gw_octree_reference_bytes(t) / mib,
+           (double)gw_octree_reference_bytes(t) / mib, (double)gw_octree_box_bytes(t) / mib,
            (double)(gw_octree_node_bytes(t) + (gw_octree_payload_bytes(t) + gw_octree_emission_bytes(t)) +
-                    gw_octree_reference_bytes(t)) /
+                    gw_octree_reference_bytes(t) + gw_octree_box_bytes(t)) /
                scene->triangle_count);
     print_hash("    hash           ", t->hash);
 }

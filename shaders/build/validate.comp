@@ -10,11 +10,13 @@ layout(location = 3) uniform uint level;
 layout(location = 4) uniform uint node_count;
 layout(location = 5) uniform uint reference_count;
 layout(location = 6) uniform uint triangle_count;
+layout(location = 7) uniform uint box_count;
 
 layout(binding = 0) uniform samplerBuffer triangle_texels;
 layout(binding = 1) uniform usamplerBuffer node_texels;
 layout(binding = 2) uniform usamplerBuffer reference_texels;
 layout(binding = 3) uniform usamplerBuffer payload_texels;
+layout(binding = 4) uniform usamplerBuffer box_texels; // only of octrees with dense leaves
 
 layout(std430, binding = 0) buffer Failure { uint first_failure; };      // node << 4 | check
 layout(std430, binding = 1) buffer Cells { uint cells[]; };              // [node][2]: x | y << 16, z
@@ -34,22 +36,37 @@ layout(local_size_x = 64) in;
 
 // An invocation's loops have a budget: of longer lists the first entries are checked.
 #define MOST_ENTRIES 4096u
+#define MOST_BOX_LEVELS 256u
 
 void fail(uint node, uint check) {
     atomicMin(first_failure, (node << 4) | check);
 }
 
+// The first reference of a leaf's list; 0 if its boxes do not lead to one. The boxes themselves are checked by the host.
+uint list_start(uvec2 words) {
+    if (GW_NODE_KIND(words.y) != GW_LEAF_DENSE)
+        return words.x;
+    uint box = words.x;
+    for (uint i = 0u; i < MOST_BOX_LEVELS && box < box_count; ++i) {
+        if (GW_BOX_TRIANGLES(texelFetch(box_texels, int(box) * 2 + 1).w) != 0u)
+            return texelFetch(box_texels, int(box) * 2).w;
+        ++box;
+    }
+    return 0u;
+}
+
 // The list of a leaf: ids in range and rising, an end inside the array, every triangle touching the cell.
 void check_leaf(uint leaf, uvec2 words, vec3 parent_centre, float quarter, uint octant) {
     bool single = GW_NODE_KIND(words.y) == GW_LEAF_SINGLE;
+    uint start = list_start(words);
     uint previous = 0u;
     bool more = true;
     for (uint i = 0u; more && i < MOST_ENTRIES; ++i) {
-        if (!single && (words.x == 0u || words.x + i >= reference_count)) {
+        if (!single && (start == 0u || start + i >= reference_count)) {
             fail(leaf, CHECK_REFERENCE);
             return;
         }
-        uint entry = single ? (words.x | GW_REFERENCE_LAST) : texelFetch(reference_texels, int(words.x + i)).x;
+        uint entry = single ? (words.x | GW_REFERENCE_LAST) : texelFetch(reference_texels, int(start + i)).x;
         uint triangle = entry & GW_REFERENCE_ID;
         if (triangle >= triangle_count) {
             fail(leaf, CHECK_REFERENCE);
@@ -130,7 +147,7 @@ void main() {
         return;
     uvec2 words = texelFetch(node_texels, int(node)).xy;
     uint kind = GW_NODE_KIND(words.y);
-    if (kind > GW_LEAF_SINGLE || (node == 0u && kind != GW_KIND_INNER))
+    if (kind > GW_LEAF_DENSE || (node == 0u && kind != GW_KIND_INNER))
         fail(node, CHECK_KIND);
     else if (kind == GW_KIND_INNER)
         check_inner(node, words);

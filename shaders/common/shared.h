@@ -16,7 +16,8 @@
 
 // Octree node, 8 bytes (uvec2).
 //   x  inner: index of its first child; siblings are packed in child order, found by popcount of the valid mask.
-//      leaf:  a triangle id (kind GW_LEAF_SINGLE) or the first index of its list in the reference array.
+//      leaf:  a triangle id (kind GW_LEAF_SINGLE), the first index of its list in the reference array (GW_LEAF_LIST), or the
+//             first of its boxes (GW_LEAF_DENSE).
 //   y  bits 0-7 valid mask (children that exist), bits 8-15 leaf mask (children that are leaves), bits 16-31 flags.
 // Child i of a cell is at +x for bit 0, +y for bit 1, +z for bit 2. The payload has the same index as the node.
 #define GW_NODE_VALID(y) ((y) & 0xffu)
@@ -26,10 +27,18 @@
 #define GW_KIND_INNER 0u
 #define GW_LEAF_LIST 1u
 #define GW_LEAF_SINGLE 2u
+#define GW_LEAF_DENSE 3u
 // Reference array: triangle ids; the last of a list carries this bit. Entry 0 is reserved.
 #define GW_REFERENCE_LAST 0x80000000u
 #define GW_REFERENCE_ID 0x7fffffffu
 
+// Boxes over the list of a dense leaf, 32 bytes each (two uvec4): a binary tree in depth-first order.
+//   0  xyz: least corner, as float bits. w: with triangles: the first of their references; without: the box that comes next
+//      when the ray misses this one, 0 when none does.
+//   1  xyz: greatest corner. w: triangles of this box (0: it holds boxes) and GW_BOX_LAST where none comes after them.
+#define GW_BOX_TRIANGLES(w) ((w) & 7u)
+#define GW_BOX_LAST 0x80000000u
+#define GW_BOX_MOST_TRIANGLES 4u
 // Payload of a node, 12 bytes (uvec3): what the cell looks like as one voxel.
 //   x  bits 0-9, 10-19, 20-29: red, green, blue, sRGB-encoded to 10 bits; bit 30: two-sided (opposed normals met);
 //      bit 31: normal is meaningless (use the ray's).

@@ -18,4 +18,8 @@ layout(binding = 3) uniform usamplerBuffer payloads;
 // k-th vertex of a triangle; w of vertex 0 holds flags.
 #define TRIANGLE(id, k) texelFetch(triangles, int(id) * 3 + (k))
 #define PAYLOAD(index) texelFetch(payloads, int(index)).xyz
+#ifdef DENSE_LEAVES
+layout(binding = 13) uniform usamplerBuffer boxes;
+#define BOX(index, k) texelFetch(boxes, int(index) * 2 + (k))
+#endif
 #endif

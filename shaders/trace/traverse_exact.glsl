@@ -45,23 +45,54 @@ bool take_step(out uvec2 leaf) {
 }
 #endif
 
-void traverse() {
-    while (walking && iterations < LOOP_BUDGET) {
+uvec2 leaf_ahead; // the one that the walk stands in
+bool dense_ahead; // it has boxes
+
+// After the leaf's test: the next cell, unless the budget has ended the list.
+void leave_leaf() {
+    if (list_ended) {
+        list_cursor = 0u;
+        step_on(scale);
+    }
+}
+
+// Through cells and plain lists, to the end or to a dense leaf.
+void walk() {
+    dense_ahead = false;
+    while (walking && !dense_ahead && iterations < LOOP_BUDGET) {
         ++iterations;
-        uvec2 leaf = uvec2(0u);
+        leaf_ahead = uvec2(0u);
         bool found = false;
         while (walking && !found && iterations < LOOP_BUDGET) {
             ++iterations;
             COUNT_STEP();
-            found = take_step(leaf);
+            found = take_step(leaf_ahead);
         }
-        if (found) {
-            list_cursor = list_cursor == 0u ? leaf.x : list_cursor;
-            test_leaf(leaf);
-            if (list_ended) {
-                list_cursor = 0u;
-                step_on(scale);
-            }
+#ifdef DENSE_LEAVES
+        dense_ahead = found && GW_NODE_KIND(leaf_ahead.y) == GW_LEAF_DENSE;
+#endif
+        if (found && !dense_ahead) {
+            test_leaf(leaf_ahead);
+            leave_leaf();
         }
     }
 }
+
+#ifdef DENSE_LEAVES
+// Dense leaves are few: their boxes are walked out here, where software GL, which executes what no lane needs, passes once
+// for each of them and not once for each list.
+void traverse() {
+    while (walking && iterations < LOOP_BUDGET) {
+        ++iterations;
+        walk();
+        if (dense_ahead) {
+            test_boxes(leaf_ahead);
+            leave_leaf();
+        }
+    }
+}
+#else
+void traverse() {
+    walk();
+}
+#endif

@@ -86,6 +86,7 @@ void step_on(int s) {
 #define EVENT_NONE 0u  // left the root, or the budget is used up
 #define EVENT_VOXEL 1u // a cell that is wholly or partly shown as a voxel
 #define EVENT_HIT 2u   // the nearest hit lies in the cell ahead or before it
+#define EVENT_DENSE 3u // a dense leaf, whose triangles are to be tested
 uint event;
 uvec2 met_node; // the voxel's
 uint met_index;
@@ -116,12 +117,9 @@ bool find_cell() {
     return met;
 }
 
-// Tests the leaf's triangles; leaves the cell unless a hit in it is confirmed or the list is unfinished.
-void walk_leaf(float share) {
+// After the test of the leaf's triangles: leaves the cell unless a hit in it is confirmed or the list is unfinished.
+void leave_leaf() {
     int leaf_scale = scale - 1;
-    leaf_share = share;
-    list_cursor = list_cursor == 0u ? met_node.x : list_cursor;
-    test_leaf(met_node);
     list_cursor = list_ended ? 0u : list_cursor;
     bool confirmed = list_ended && hit_t <= exit_of(leaf_scale);
     event = confirmed ? EVENT_HIT : event;
@@ -139,7 +137,17 @@ void walk() {
         bool leaf = GW_NODE_KIND(met_node.y) != GW_KIND_INNER && scale != voxel_scale;
         float share = leaf ? triangles_share(lod_slope * cell_entry, float(1 << (scale - 1))) : 0.0;
         if (met && (leaf_again || share == 1.0)) {
-            walk_leaf(share);
+            leaf_share = share;
+#ifdef DENSE_LEAVES
+            bool dense = GW_NODE_KIND(met_node.y) == GW_LEAF_DENSE;
+#else
+            const bool dense = false;
+#endif
+            event = dense ? EVENT_DENSE : event;
+            if (!dense) {
+                test_leaf(met_node);
+                leave_leaf();
+            }
         } else {
             event = met ? EVENT_VOXEL : event;
             event = !met && !leaf_again && hit_t <= cell_entry ? EVENT_HIT : event;
@@ -185,6 +193,13 @@ void traverse() {
         walk();
         if (event == EVENT_VOXEL)
             show_voxel();
+#ifdef DENSE_LEAVES
+        if (event == EVENT_DENSE) {
+            test_boxes(met_node);
+            event = EVENT_NONE;
+            leave_leaf();
+        }
+#endif
         if (event == EVENT_HIT)
             emit_hit();
         walking = (in_root || hit_triangle != GW_NO_TRIANGLE) && remaining() >= OPAQUE_REMAINDER;

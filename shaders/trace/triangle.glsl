@@ -58,7 +58,11 @@ void test_vertices(vec3 va, vec3 vb, vec3 vc, uint id, uint flags) {
 #endif
     // Written so that not-a-number is outside.
     bool one_side = all(greaterThanEqual(edges, vec3(0.0))) || all(lessThanEqual(edges, vec3(0.0)));
-    bool inside = one_side && any(notEqual(edges, vec3(0.0)));
+    vec2 least = min(min(a2, b2), c2);
+    vec2 most = max(max(a2, b2), c2);
+    // Seen edge-on, the products of a triangle far beside the ray are rounding, and may agree in sign by chance.
+    bool near = all(lessThanEqual(vec4(least, -most), vec4(0.0)));
+    bool inside = one_side && near && any(notEqual(edges, vec3(0.0)));
 
     precise vec3 ab = vb - va;
     precise vec3 ac = vc - va;

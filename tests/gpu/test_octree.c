@@ -445,10 +445,56 @@ static void test_validator_finds_damage(void **state) {
     gw_scene_destroy(&scene);
 }
 
+/* Boxes over long lists change neither lists nor voxels, whatever the parts, and the validator knows them. */
+static void test_dense_leaves_keep_their_lists(void **state) {
+    gw_settings settings;
+    gw_error error = {0};
+    gw_scene *scene = sphere_scene(48);
+    (void)state;
+    gw_settings_init(&settings);
+    settings.octree_depth = 3;
+    settings.dense_leaf = 0;
+    gw_octree *plain = build(scene, &settings, 0);
+    settings.dense_leaf = 20;
+    gw_octree *dense = build(scene, &settings, 0);
+    gw_octree *parts = build(scene, &settings, (uint64_t)scene->triangle_count * 3 / 2);
+    validate(scene, dense);
+    assert_true(parts->statistics.parts > 1);
+    assert_true(gw_hash_equal(parts->hash, dense->hash));
+    assert_true(dense->statistics.dense_leaves > 10);
+    assert_int_equal(plain->box_count, 0);
+    assert_memory_equal(plain->references, dense->references, gw_octree_reference_bytes(plain));
+    assert_memory_equal(plain->payloads, dense->payloads, gw_octree_payload_bytes(plain));
+    for (uint32_t i = 0; i < plain->node_count; ++i)
+        if (GW_NODE_KIND(dense->nodes[i].bits) == GW_LEAF_DENSE)
+            assert_int_equal(gw_octree_first_reference(dense, &dense->nodes[i]), plain->nodes[i].link);
+        else
+            assert_memory_equal(&dense->nodes[i], &plain->nodes[i], sizeof plain->nodes[i]);
+    gw_box *box = &dense->boxes[dense->box_count / 2], good = *box;
+    for (int damage = 0; damage < 4; ++damage) {
+        *box = good;
+        if (damage == 0)
+            box->low[0] = 0.5f * (good.low[0] + good.high[0]);
+        else if (damage == 1)
+            box->high[2] = NAN;
+        else if (damage == 2)
+            box->link++;
+        else
+            box->triangles ^= GW_BOX_LAST;
+        assert_int_equal(gw_octree_validate(device, scene, dense, &error), GW_MACHINE);
+        assert_non_null(strstr(error.text, "octree node"));
+    }
+    gw_octree_destroy(&plain);
+    gw_octree_destroy(&dense);
+    gw_octree_destroy(&parts);
+    gw_scene_destroy(&scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_structure_at_every_depth),
         cmocka_unit_test(test_parts_give_the_same_bytes),
+        cmocka_unit_test(test_dense_leaves_keep_their_lists),
         cmocka_unit_test(test_too_small_a_limit_is_refused_with_numbers),
         cmocka_unit_test(test_input_order_does_not_matter),
         cmocka_unit_test(test_fan_rule_bounds_the_tree),

@@ -24,6 +24,7 @@ static int open_all(void **state) {
     (void)state;
     gw_settings_init(&settings);
     settings.octree_depth = 4;
+    settings.dense_leaf = 6; /* so that there are boxes */
     gw_mesh_add_sphere(&mesh, centre, 1, 0.1, 12, 6);
     if (gw_gl_create(&options, &device, &error) != GW_OK || gw_mesh_scene(&mesh, &scene, &error) != GW_OK ||
         gw_octree_build(device, scene, &build, &octree, &error) != GW_OK) {
@@ -64,6 +65,9 @@ static void test_round_trip(void **state) {
     assert_memory_equal(loaded->nodes, octree->nodes, gw_octree_node_bytes(octree));
     assert_memory_equal(loaded->payloads, octree->payloads, gw_octree_payload_bytes(octree));
     assert_memory_equal(loaded->references, octree->references, gw_octree_reference_bytes(octree));
+    assert_true(octree->box_count > 0 && loaded->box_count == octree->box_count);
+    assert_memory_equal(loaded->boxes, octree->boxes, gw_octree_box_bytes(octree));
+    assert_int_equal(loaded->statistics.dense_leaves, octree->statistics.dense_leaves);
     assert_int_equal(loaded->statistics.leaves, octree->statistics.leaves);
     assert_int_equal(loaded->statistics.longest_list, octree->statistics.longest_list);
     gw_octree_destroy(&loaded);

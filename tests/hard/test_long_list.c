@@ -32,8 +32,8 @@ static gw_scene *make_scene(void) {
 
 static int open_stage(void **state) {
     (void)state;
-    check_ok(
-        gw_stage_open(&stage, make_scene(), NULL, (const char *const[]){"octree_depth=1", NULL}, &error));
+    check_ok(gw_stage_open(&stage, make_scene(), NULL,
+                           (const char *const[]){"octree_depth=1", "dense_leaf=0", NULL}, &error));
     assert_true(stage.octree->statistics.longest_list >= SHEETS);
     uint64_t random = 3;
     for (int i = 0; i < RAYS; ++i) {

@@ -162,6 +162,7 @@ static gw_settings random_rules(uint64_t *random) {
     settings.fan_rule = gw_test_random(random) < 0.7;
     settings.fan_cap = whole_between(random, 3, 40);
     settings.isolation_rule = gw_test_random(random) < 0.7;
+    settings.dense_leaf = whole_between(random, 0, 12);
     return settings;
 }
 
@@ -180,10 +181,10 @@ static void check_case(uint64_t seed) {
     gw_octree *octree = build(scene, &settings);
     if (gw_octree_validate(device, scene, octree, &error) != GW_OK ||
         gw_brute_check_octree(scene, octree, &settings, &error) != GW_OK)
-        fail_msg("GW_TEST_SEED=%llu (%u triangles, depth %d, K %d, fan %d to %d, isolation %d): %s",
+        fail_msg("GW_TEST_SEED=%llu (%u triangles, depth %d, K %d, fan %d to %d, isolation %d, dense %d): %s",
                  (unsigned long long)seed, scene->triangle_count, settings.octree_depth,
                  settings.leaf_triangles, settings.fan_rule, settings.fan_cap, settings.isolation_rule,
-                 error.text);
+                 settings.dense_leaf, error.text);
     gw_octree_destroy(&octree);
     gw_scene_destroy(&scene);
 }

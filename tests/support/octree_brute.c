@@ -235,8 +235,8 @@ static gw_code check_places(const brute *self) {
                 if (node.link != next_child)
                     return wrong(self, here, i, "has children that do not follow those before");
                 next_child += (uint32_t)__builtin_popcount(GW_NODE_VALID(node.bits));
-            } else if (GW_NODE_KIND(node.bits) == GW_LEAF_LIST) {
-                if (node.link != next_reference)
+            } else if (GW_NODE_KIND(node.bits) != GW_LEAF_SINGLE) {
+                if (gw_octree_first_reference(t, &node) != next_reference)
                     return wrong(self, here, i, "has a list that does not follow the one before");
                 do
                     if (next_reference >= t->reference_count)
@@ -285,7 +285,7 @@ static gw_code read_leaf(const brute *self, uint32_t index, cell where, id_list 
     const gw_octree *t = self->octree;
     const gw_node node = t->nodes[index];
     const int single = GW_NODE_KIND(node.bits) == GW_LEAF_SINGLE;
-    for (uint32_t i = node.link, last = 0; !last; i++) {
+    for (uint32_t i = gw_octree_first_reference(t, &node), last = 0; !last; i++) {
         uint32_t entry = single ? node.link | GW_REFERENCE_LAST : t->references[i];
         uint32_t id = entry & GW_REFERENCE_ID;
         last = entry & GW_REFERENCE_LAST;
@@ -353,7 +353,7 @@ static gw_code check_node(const brute *self, uint32_t index, cell where, id_list
     gw_code code;
     if (kind == GW_KIND_INNER && where.level < self->octree->depth)
         code = check_children(self, index, where, list);
-    else if (kind == GW_LEAF_LIST || kind == GW_LEAF_SINGLE)
+    else if (kind == GW_LEAF_LIST || kind == GW_LEAF_SINGLE || kind == GW_LEAF_DENSE)
         code = check_leaf(self, index, where, list);
     else
         code = wrong(self, where, index, "has a kind that does not belong there");

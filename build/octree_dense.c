@@ -160,6 +160,9 @@ gw_code gw_octree_add_boxes(const gw_scene *scene, uint32_t most_triangles, gw_o
                             gw_error *error) {
     dense_list list = {0};
     uint64_t boxes = 0;
+    free(octree->boxes); /* of an octree that is built again */
+    octree->boxes = NULL;
+    octree->box_count = 0;
     if (most_triangles == 0 || octree->statistics.longest_list <= most_triangles)
         return GW_OK;
     for (uint32_t i = 0; i < octree->node_count; ++i)

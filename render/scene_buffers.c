@@ -188,8 +188,8 @@ gw_code gw_scene_buffers_init(gw_gl *device, const gw_scene *scene, const gw_oct
 
 gw_code gw_scene_buffers_move(gw_gl *device, const gw_scene *scene, const gw_octree *octree,
                               gw_scene_buffers *buffers, gw_error *error) {
-    gw_gl_buffer *all[] = {&buffers->nodes,     &buffers->references, &buffers->payloads,
-                           &buffers->emissions, &buffers->triangles,  &buffers->vertices};
+    gw_gl_buffer *all[] = {&buffers->nodes, &buffers->references, &buffers->payloads, &buffers->emissions,
+                           &buffers->boxes, &buffers->triangles,  &buffers->vertices};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
         gw_gl_buffer_finish(all[i]);
     gw_code code = upload_octree(device, octree, buffers, error);

@@ -19,7 +19,8 @@ typedef struct bed {
 
 static void open_bed(bed *b, const char *depth, uint32_t loop_budget) {
     gw_renderer_options options = {.loop_budget = loop_budget};
-    check_ok(gw_stage_open(&b->stage, gw_test_scene(SEED), NULL, (const char *const[]){depth, NULL}, &error));
+    check_ok(gw_stage_open(&b->stage, gw_test_scene(SEED), NULL,
+                           (const char *const[]){depth, "dense_leaf=0", NULL}, &error));
     check_ok(
         gw_node_study_open(b->stage.device, b->stage.scene, b->stage.octree, &options, &b->study, &error));
     b->rays = gw_test_rays(b->stage.scene, RAYS, SEED + 1);

@@ -8,7 +8,7 @@
 #include "build/scene_pose.h"
 #include "tests/support/renders.h"
 
-static const char *const depth[] = {"octree_depth=8", NULL};
+static const char *const depth[] = {"octree_depth=8", "dense_leaf=2", NULL};
 static const int64_t second = 1000000000;
 /* Forward and back, over the loop's end, and twice in a row the same. */
 static const double times[] = {0, 0.5, 1.25, 3.75, 1.25, 0.5, 0.5, 0, 4.5, 2};
@@ -34,6 +34,8 @@ static void same_octree(const gw_octree *a, const gw_octree *b) {
     assert_memory_equal(a->nodes, b->nodes, (size_t)gw_octree_node_bytes(a));
     assert_memory_equal(a->payloads, b->payloads, (size_t)gw_octree_payload_bytes(a));
     assert_memory_equal(a->references, b->references, (size_t)gw_octree_reference_bytes(a));
+    assert_true(a->box_count > 0 && a->box_count == b->box_count);
+    assert_memory_equal(a->boxes, b->boxes, (size_t)gw_octree_box_bytes(a));
     assert_true(gw_hash_equal(a->hash, b->hash));
     assert_int_equal(a->statistics.pairs, b->statistics.pairs);
     assert_int_equal(a->statistics.leaves, b->statistics.leaves);

@@ -1,9 +1,10 @@
-/* One monotonic clock, nanoseconds. Any thread. */
+/* Clocks, nanoseconds. Any thread. */
 #ifndef GW_BASE_CLOCK_H
 #define GW_BASE_CLOCK_H
 
 #include <stdint.h>
 
-int64_t gw_now_ns(void); /* CLOCK_MONOTONIC */
+int64_t gw_now_ns(void);       /* monotonic */
+int64_t gw_processor_ns(void); /* spent by all threads of this process */
 
 #endif

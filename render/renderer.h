@@ -80,9 +80,14 @@ typedef struct gw_trace_variant {
     int storage;                                     /* 1: nodes, references, triangles as storage blocks */
     int count;                                       /* 1: count work */
 } gw_trace_variant;
-/* As gw_renderer_trace by the octree. milliseconds: what the kernels took, without copying rays and hits. */
+/* What the kernels took, without copying rays and hits: by the wall's clock, and of this process's
+ * processors. */
+typedef struct gw_trace_time {
+    double wall_ms, processor_ms;
+} gw_trace_time;
+/* As gw_renderer_trace by the octree. */
 gw_code gw_renderer_trace_variant(gw_renderer *renderer, const gw_trace_variant *variant, const gw_ray *rays,
-                                  size_t ray_count, gw_hit *hits, gw_counters *counters, double *milliseconds,
+                                  size_t ray_count, gw_hit *hits, gw_counters *counters, gw_trace_time *time,
                                   gw_error *error);
 
 /* Adds "effects": {run, skipped: [{name, why}], forced, forbidden} to a report, and for a scene that moves

@@ -21,7 +21,7 @@ typedef struct trace_job {
     gw_trace_method method;
     const gw_trace_variant *variant; /* of GW_TRACE_OCTREE */
     gw_counters counters;
-    double milliseconds;
+    gw_trace_time time;
 } trace_job;
 
 /* A round over all rays, then rounds over those that were suspended. */
@@ -92,14 +92,15 @@ static gw_code trace_chunk(gw_renderer *renderer, trace_job *job, const gw_ray *
         code = gw_gl_buffer_write(given, 0, count * sizeof(gw_ray), rays, error);
     if (!code)
         code = gw_renderer_reserve(renderer, count, 1, work, error);
-    int64_t begin = gw_now_ns();
+    int64_t begin = gw_now_ns(), processor = gw_processor_ns();
     if (!code) {
         gw_gl_buffer_bind(given, GW_BINDING_FRAGMENTS);
         gw_gl_buffer_bind(found, GW_BINDING_STATUSES);
         code = job->method == GW_TRACE_OCTREE ? trace_octree(renderer, job, count, error)
                                               : trace_brute_force(renderer, count, error);
     }
-    job->milliseconds += (double)(gw_now_ns() - begin) * 1e-6;
+    job->time.wall_ms += (double)(gw_now_ns() - begin) * 1e-6;
+    job->time.processor_ms += (double)(gw_processor_ns() - processor) * 1e-6;
     if (!code && work)
         code = gw_renderer_add_work(renderer, count, &job->counters, error);
     if (!code)
@@ -147,12 +148,12 @@ gw_code gw_renderer_trace(gw_renderer *renderer, gw_trace_method method, const g
 }
 
 gw_code gw_renderer_trace_variant(gw_renderer *renderer, const gw_trace_variant *variant, const gw_ray *rays,
-                                  size_t ray_count, gw_hit *hits, gw_counters *counters, double *milliseconds,
+                                  size_t ray_count, gw_hit *hits, gw_counters *counters, gw_trace_time *time,
                                   gw_error *error) {
     trace_job job = {.method = GW_TRACE_OCTREE, .variant = variant};
     gw_code code = run_job(renderer, &job, rays, ray_count, hits, error);
     if (counters)
         gw_counters_add(counters, &job.counters);
-    *milliseconds = job.milliseconds;
+    *time = job.time;
     return code;
 }

@@ -35,6 +35,8 @@ typedef struct gw_node_form {
  * the leaf. GW_MACHINE when the octree does not fit its 30 bits. */
 gw_code gw_form_seed64(const gw_octree *octree, uint32_t triangles, int single_inline, gw_node_form *out,
                        gw_error *error);
+/* Inner nodes of 12 bytes; leaves are words in an array of their own. */
+gw_code gw_form_short(const gw_octree *octree, gw_node_form *out, gw_error *error);
 /* Nodes of 4 x 4 x 4 children; leaves are words in an array of their own. With a limit of odd depth the top
  * node uses eight of its children only. */
 gw_code gw_form_wide(const gw_octree *octree, gw_node_form *out, gw_error *error);
@@ -42,5 +44,9 @@ gw_code gw_form_wide(const gw_octree *octree, gw_node_form *out, gw_error *error
  * hold. GW_MACHINE for more than 2^24 nodes. */
 gw_code gw_form_root_grid(const gw_octree *octree, uint32_t level, gw_node_form *out, gw_error *error);
 void gw_node_form_finish(gw_node_form *form);
+
+/* A leaf in one word, and whether all leaves of an octree fit one. */
+uint32_t gw_form_leaf_word(const gw_node *leaf);
+gw_code gw_form_check_leaf_words(const gw_octree *octree, gw_error *error);
 
 #endif

@@ -5,7 +5,14 @@
 #include <stdio.h>
 #include <string.h>
 
-typedef enum form_kind { FORM_SHIPPED, FORM_SEED64, FORM_SEED64_LISTS, FORM_WIDE, FORM_GRID } form_kind;
+typedef enum form_kind {
+    FORM_SHIPPED,
+    FORM_SEED64,
+    FORM_SEED64_LISTS,
+    FORM_SHORT,
+    FORM_WIDE,
+    FORM_GRID
+} form_kind;
 
 typedef struct study_row {
     const char *name, *what;
@@ -29,6 +36,10 @@ static const study_row rows[GW_STUDY_ENTRIES] = {
      .what = "Weier et al.'s node, a lone triangle stands in the leaf",
      .form = FORM_SEED64,
      .kernel = "bench/seed64.comp"},
+    {.name = "short",
+     .what = "12 bytes an inner node, 4 a leaf",
+     .form = FORM_SHORT,
+     .kernel = "bench/short.comp"},
     {.name = "wide-plain",
      .what = "4x4x4 children a node",
      .form = FORM_WIDE,
@@ -64,6 +75,8 @@ static gw_code make_form(const study_row *row, const gw_scene *scene, const gw_o
     case FORM_SEED64:
     case FORM_SEED64_LISTS:
         return gw_form_seed64(octree, scene->triangle_count, row->form == FORM_SEED64, out, error);
+    case FORM_SHORT:
+        return gw_form_short(octree, out, error);
     case FORM_WIDE:
         return gw_form_wide(octree, out, error);
     case FORM_GRID:
@@ -154,11 +167,11 @@ void gw_node_study_close(gw_node_study *study) {
 }
 
 gw_code gw_node_study_trace(gw_node_study *study, uint32_t entry, const gw_ray *rays, size_t count,
-                            gw_hit *hits, gw_counters *counters, double *milliseconds, gw_error *error) {
+                            gw_hit *hits, gw_counters *counters, gw_trace_time *time, gw_error *error) {
     gw_trace_variant variant = study->entries[entry].variant;
     variant.count = counters != NULL;
-    gw_code code = gw_renderer_trace_variant(study->renderer, &variant, rays, count, hits, counters,
-                                             milliseconds, error);
+    gw_code code =
+        gw_renderer_trace_variant(study->renderer, &variant, rays, count, hits, counters, time, error);
     return code ? gw_context(error, "layout '%s'", study->entries[entry].name) : GW_OK;
 }
 

@@ -12,7 +12,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { GW_STUDY_ENTRIES = 13, GW_STUDY_PARTS = 3 };
+enum { GW_STUDY_ENTRIES = 14, GW_STUDY_PARTS = 3 };
 
 typedef struct gw_study_entry {
     const char *name; /* one word, a key in files */
@@ -36,9 +36,9 @@ gw_code gw_node_study_open(gw_gl *device, const gw_scene *scene, const gw_octree
                            const gw_renderer_options *options, gw_node_study *out, gw_error *error);
 void gw_node_study_close(gw_node_study *study);
 
-/* counters NULL: the kernel without counting, for times; milliseconds as in gw_renderer_trace_variant. */
+/* counters NULL: the kernel without counting, for times. */
 gw_code gw_node_study_trace(gw_node_study *study, uint32_t entry, const gw_ray *rays, size_t count,
-                            gw_hit *hits, gw_counters *counters, double *milliseconds, gw_error *error);
+                            gw_hit *hits, gw_counters *counters, gw_trace_time *time, gw_error *error);
 
 /* Counts hits that are not the same bits, triangle and t. GW_MACHINE names the first one of an entry that
  * must not differ. */

@@ -2,7 +2,6 @@
 #include "wall/node_forms.h"
 
 #include "base/memory.h"
-#include "shaders/bench/node_forms.h"
 
 #include <epoxy/gl.h>
 #include <stdlib.h>
@@ -52,8 +51,7 @@ static uint32_t gather(const gw_octree *octree, uint32_t source, int top_of_odd,
     for (int i = 0; i < 64; i++)
         out->node[i] = UINT32_MAX;
     for (uint32_t block = 0; block < 8; block++) {
-        /* A root that is a leaf stands at all its children. */
-        uint32_t child = is_leaf(octree, source) ? source : child_of(octree, source, block);
+        uint32_t child = child_of(octree, source, block);
         if (child == UINT32_MAX)
             continue;
         if (top_of_odd) {
@@ -80,7 +78,7 @@ static void fill_node(wide_builder *b, uint32_t index, int top_of_odd) {
         const gw_node *n = &b->octree->nodes[child];
         if (is_leaf(b->octree, child)) {
             node.leaves |= UINT64_C(1) << place;
-            b->words[b->word_count++] = n->link | GW_NODE_KIND(n->bits) << GW_WIDE_KIND_SHIFT;
+            b->words[b->word_count++] = gw_form_leaf_word(n);
         } else {
             node.inner |= UINT64_C(1) << place;
             b->sources[b->node_count++] = child;
@@ -89,28 +87,19 @@ static void fill_node(wide_builder *b, uint32_t index, int top_of_odd) {
     b->nodes[index] = node;
 }
 
-static gw_code check_links(const gw_octree *octree, gw_error *error) {
-    for (uint32_t i = 0; i < octree->node_count; i++)
-        if (is_leaf(octree, i) &&
-            (octree->nodes[i].link > GW_WIDE_LINK || GW_NODE_KIND(octree->nodes[i].bits) > 3))
-            return gw_fail(error, GW_MACHINE, "a wide node's leaves hold links of 30 bits and 3 kinds");
-    return GW_OK;
-}
-
 gw_code gw_form_wide(const gw_octree *octree, gw_node_form *out, gw_error *error) {
     wide_builder b = {.octree = octree, .node_count = 1};
     uint32_t inner = 0;
     for (uint32_t i = 0; i < octree->node_count; i++)
         inner += !is_leaf(octree, i);
-    uint32_t leaves = octree->node_count - inner + 8; /* a root that is a leaf has eight words */
-    gw_code code = check_links(octree, error);
+    gw_code code = gw_form_check_leaf_words(octree, error);
     if (!code)
-        code = gw_allocate((void **)&b.nodes, (size_t)inner + 1, sizeof *b.nodes, "wide nodes", error);
+        code = gw_allocate((void **)&b.nodes, inner, sizeof *b.nodes, "wide nodes", error);
+    if (!code)
+        code = gw_allocate((void **)&b.sources, inner, sizeof *b.sources, "places of nodes", error);
     if (!code)
         code =
-            gw_allocate((void **)&b.sources, (size_t)inner + 1, sizeof *b.sources, "places of nodes", error);
-    if (!code)
-        code = gw_allocate((void **)&b.words, leaves, sizeof *b.words, "leaf words", error);
+            gw_allocate((void **)&b.words, octree->node_count - inner, sizeof *b.words, "leaf words", error);
     for (uint32_t i = 0; !code && i < b.node_count; i++)
         fill_node(&b, i, i == 0 && (octree->depth & 1u));
     free(b.sources);

@@ -15,6 +15,7 @@ uvec4 wide_links;
 int wide_scale;   // of its cell
 
 void load_wide(uint index, int s) {
+    COUNT_NODE(true);
     wide_masks = texelFetch(nodes, int(index) * 2);
     wide_links = texelFetch(nodes, int(index) * 2 + 1);
     wide_scale = s;
@@ -22,7 +23,6 @@ void load_wide(uint index, int s) {
 
 void restart() {
     scale = STACK_LEVELS * 2;
-    COUNT_NODE(true);
     load_wide(0u, scale);
     stack_push(STACK_LEVELS, 0u);
 }
@@ -30,21 +30,8 @@ void restart() {
 // Nodes stand at even scales.
 void return_to(int s) {
     scale = (s + 1) & ~1;
-    if (scale != wide_scale && s <= OCTREE_DEPTH) {
-        COUNT_NODE(true);
+    if (scale != wide_scale && s <= OCTREE_DEPTH)
         load_wide(stack_pop(scale >> 1), scale);
-    }
-}
-
-// Bits of a 64-bit mask below place i.
-uint bits_below(uvec2 mask, uint i) {
-    uint low = (1u << (i & 31u)) - 1u;
-    bool upper = i >= 32u;
-    return uint(bitCount(mask.x & (upper ? 0xffffffffu : low)) + bitCount(mask.y & (upper ? low : 0u)));
-}
-
-bool bit_at(uvec2 mask, uint i) {
-    return (((i < 32u ? mask.x : mask.y) >> (i & 31u)) & 1u) != 0u;
 }
 
 bool take_step(out uvec2 leaf) {
@@ -54,24 +41,28 @@ bool take_step(out uvec2 leaf) {
     bool one_leaf = ((wide_links.z >> uint(half_at.x | (half_at.y << 1) | (half_at.z << 2))) & 1u) != 0u;
     uint lowest = uint(half_at.x * 2 | (half_at.y << 3) | (half_at.z << 5));
     uint place = one_leaf ? lowest : uint(at.x | (at.y << 2) | (at.z << 4));
-    bool inner = bit_at(wide_masks.xy, place), found = bit_at(wide_masks.zw, place);
+    bool upper = place >= 32u;
+    uint bit = 1u << (place & 31u);
+    uint inner_half = upper ? wide_masks.y : wide_masks.x, leaf_half = upper ? wide_masks.w : wide_masks.z;
+    bool inner = (inner_half & bit) != 0u, found = (leaf_half & bit) != 0u;
+    uint before = upper ? (inner ? wide_masks.x : wide_masks.z) : 0u;
+    uint rank = uint(bitCount(before) + bitCount((inner ? inner_half : leaf_half) & (bit - 1u)));
     leaf = uvec2(0u);
-    COUNT_NODE(inner || found);
+    COUNT_NODE(found);
     if (inner) {
-        uint index = wide_links.x + bits_below(wide_masks.xy, place);
+        uint index = wide_links.x + rank;
         scale -= 2;
         load_wide(index, scale);
         stack_push(scale >> 1, index);
     } else if (found) {
-        uint word = texelFetch(leaf_words, int(wide_links.y + bits_below(wide_masks.zw, place))).x;
-        leaf = uvec2(word & GW_WIDE_LINK, (word >> GW_WIDE_KIND_SHIFT) << 16);
+        uint word = texelFetch(leaf_words, int(wide_links.y + rank)).x;
+        leaf = uvec2(word & GW_LEAF_WORD_LINK, (word >> GW_LEAF_WORD_KIND_SHIFT) << 16);
         scale -= one_leaf ? 1 : 2;
     } else {
 #ifdef WIDE_NO_SKIP
         step_on(scale - 2);
 #else
-        uvec2 both = wide_masks.xy | wide_masks.zw;
-        uint block = ((lowest < 32u ? both.x : both.y) >> (lowest & 31u)) & 0x00330033u;
+        uint block = ((inner_half | leaf_half) >> (lowest & 31u)) & 0x00330033u;
         step_on(scale - (block == 0u ? 1 : 2));
 #endif
     }

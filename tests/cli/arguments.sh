@@ -90,8 +90,8 @@ is "a quiet bench is quiet" "$("$program" bench build --quick "${scene[@]}" 2>&1
 is "layouts that were compared" $? 0
 is "they are in the report" "$(json "$folder/layouts/layouts.json" '["bench"]["layouts"][6]["name"]')" "seed64"
 is "with the reason where one was skipped" \
-    "$(json "$folder/layouts/layouts.json" '["bench"]["layouts"][9]["skipped"].count("deeper than 5 levels")')" 1
-is "and eleven of them in the table" "$(grep -c '^[a-z0-9-]*,[0-9]' "$folder/layouts/layouts.csv")" 11
+    "$(json "$folder/layouts/layouts.json" '["bench"]["layouts"][10]["skipped"].count("deeper than 5 levels")')" 1
+is "and twelve of them in the table" "$(grep -c '^[a-z0-9-]*,[0-9]' "$folder/layouts/layouts.csv")" 12
 mkfifo "$folder/fifo"
 timeout 60 cat "$folder/fifo" >"$folder/through" &
 expect "a picture through a FIFO" 0 "" render "${scene[@]}" --size 8x8 --out "$folder/fifo"

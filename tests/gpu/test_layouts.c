@@ -47,10 +47,10 @@ static uint32_t entry_named(const bed *b, const char *name) {
 
 static gw_counters trace(bed *b, uint32_t entry, int count) {
     gw_counters counters = {0};
-    double ms;
+    gw_trace_time time;
     gw_hit *hits = entry == 0 ? b->shipped : b->hits;
     check_ok(
-        gw_node_study_trace(&b->study, entry, b->rays, RAYS, hits, count ? &counters : NULL, &ms, &error));
+        gw_node_study_trace(&b->study, entry, b->rays, RAYS, hits, count ? &counters : NULL, &time, &error));
     assert_int_equal(counters.step_cap_hits, 0);
     return counters;
 }
@@ -157,15 +157,18 @@ static void a_broken_form_is_noticed(void **state) {
     open_bed(&b, "octree_depth=8", 0);
     trace(&b, 0, 0);
     uint32_t seed = entry_named(&b, "seed64"), lists = entry_named(&b, "seed64-lists"),
-             wide = entry_named(&b, "wide"), grid = entry_named(&b, "grid-32");
+             compact = entry_named(&b, "short"), wide = entry_named(&b, "wide"),
+             grid = entry_named(&b, "grid-32");
     /* Leaves whose link is a multiple of 64 become empty, or another triangle's. */
     overwrite(&b.study.entries[seed].buffers[0], GW_SEED_LEAF | 63, GW_SEED_LEAF, UINT32_MAX, GW_SEED_EMPTY);
     overwrite(&b.study.entries[lists].buffers[1], 63, 0, GW_REFERENCE_ID, 1);
-    overwrite(&b.study.entries[wide].buffers[1], 63, 0, GW_WIDE_LINK, 1);
+    overwrite(&b.study.entries[compact].buffers[1], 63, 0, GW_LEAF_WORD_LINK, 1);
+    overwrite(&b.study.entries[wide].buffers[1], 63, 0, GW_LEAF_WORD_LINK, 1);
     /* The grid's inner cells, three levels above the finest, become empty. */
     overwrite(&b.study.entries[grid].buffers[0], UINT32_MAX, 3 | GW_GRID_PRESENT, GW_GRID_PRESENT, 0);
     expect_noticed(&b, seed);
     expect_noticed(&b, lists);
+    expect_noticed(&b, compact);
     expect_noticed(&b, wide);
     expect_noticed(&b, grid);
     close_bed(&b);

@@ -45,6 +45,12 @@ static uint32_t entry_named(const bed *b, const char *name) {
     return 0;
 }
 
+/* 1 for one entry of each kernel. */
+static int has_its_own_kernel(const bed *b, uint32_t entry) {
+    const gw_study_entry *e = &b->study.entries[entry];
+    return entry == 0 || (e->variant.kernel && strcmp(e->name, "seed64-lists") && strcmp(e->name, "grid-64"));
+}
+
 static gw_counters trace(bed *b, uint32_t entry, int count) {
     gw_counters counters = {0};
     gw_trace_time time;
@@ -69,7 +75,7 @@ static void all_layouts_give_the_same_hits(void **state) {
     gw_counters work[GW_STUDY_ENTRIES];
     for (uint32_t i = 0; i < GW_STUDY_ENTRIES; ++i) {
         assert_string_equal(b.study.entries[i].skipped.text, "");
-        for (int count = 0; count < 2; ++count) {
+        for (int count = 0; count < 1 + has_its_own_kernel(&b, i); ++count) {
             work[i] = trace(&b, i, count);
             if (i > 0)
                 assert_int_equal(compare(&b, i), 0);
@@ -106,7 +112,9 @@ static void suspended_rays_go_on_in_every_layout(void **state) {
     bed b;
     open_bed(&b, "octree_depth=8", 32);
     for (uint32_t i = 0; i < GW_STUDY_ENTRIES; ++i) {
-        gw_counters work = trace(&b, i, 1);
+        if (!has_its_own_kernel(&b, i))
+            continue;
+        gw_counters work = trace(&b, i, 0);
         assert_true(work.resumed > RAYS / 20);
         if (i > 0)
             compare(&b, i);

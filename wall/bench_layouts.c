@@ -36,7 +36,8 @@ static int measured(const layouts *l, uint32_t entry) {
 static gw_code trace_entry(layouts *l, uint32_t entry, gw_counters *counters, double *ms, gw_error *error) {
     gw_hit *hits = entry == 0 ? l->shipped : l->hits;
     gw_trace_time time = {0};
-    gw_code code = gw_node_study_trace(&l->study, entry, l->rays, l->count, hits, counters, &time, error);
+    gw_code code = gw_node_study_trace(&l->study, entry, l->rays, l->count, hits, counters != NULL, counters,
+                                       &time, error);
     *ms = l->by_processor ? time.processor_ms : time.wall_ms;
     if (code || entry == 0)
         return code;

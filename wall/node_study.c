@@ -166,12 +166,13 @@ void gw_node_study_close(gw_node_study *study) {
     memset(study, 0, sizeof *study);
 }
 
-gw_code gw_node_study_trace(gw_node_study *study, uint32_t entry, const gw_ray *rays, size_t count,
-                            gw_hit *hits, gw_counters *counters, gw_trace_time *time, gw_error *error) {
+gw_code gw_node_study_trace(gw_node_study *study, uint32_t entry, const gw_ray *rays, size_t ray_count,
+                            gw_hit *hits, int count, gw_counters *counters, gw_trace_time *time,
+                            gw_error *error) {
     gw_trace_variant variant = study->entries[entry].variant;
-    variant.count = counters != NULL;
+    variant.count = count;
     gw_code code =
-        gw_renderer_trace_variant(study->renderer, &variant, rays, count, hits, counters, time, error);
+        gw_renderer_trace_variant(study->renderer, &variant, rays, ray_count, hits, counters, time, error);
     return code ? gw_context(error, "layout '%s'", study->entries[entry].name) : GW_OK;
 }
 

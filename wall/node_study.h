@@ -36,9 +36,10 @@ gw_code gw_node_study_open(gw_gl *device, const gw_scene *scene, const gw_octree
                            const gw_renderer_options *options, gw_node_study *out, gw_error *error);
 void gw_node_study_close(gw_node_study *study);
 
-/* counters NULL: the kernel without counting, for times. */
-gw_code gw_node_study_trace(gw_node_study *study, uint32_t entry, const gw_ray *rays, size_t count,
-                            gw_hit *hits, gw_counters *counters, gw_trace_time *time, gw_error *error);
+/* count 0: the kernel that does not count work, for times; counters, which may be NULL, then get the rest. */
+gw_code gw_node_study_trace(gw_node_study *study, uint32_t entry, const gw_ray *rays, size_t ray_count,
+                            gw_hit *hits, int count, gw_counters *counters, gw_trace_time *time,
+                            gw_error *error);
 
 /* Counts hits that are not the same bits, triangle and t. GW_MACHINE names the first one of an entry that
  * must not differ. */

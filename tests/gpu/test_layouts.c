@@ -55,8 +55,7 @@ static gw_counters trace(bed *b, uint32_t entry, int count) {
     gw_counters counters = {0};
     gw_trace_time time;
     gw_hit *hits = entry == 0 ? b->shipped : b->hits;
-    check_ok(
-        gw_node_study_trace(&b->study, entry, b->rays, RAYS, hits, count ? &counters : NULL, &time, &error));
+    check_ok(gw_node_study_trace(&b->study, entry, b->rays, RAYS, hits, count, &counters, &time, &error));
     assert_int_equal(counters.step_cap_hits, 0);
     return counters;
 }

@@ -221,13 +221,25 @@ gw_code gw_renderer_report(const gw_renderer *renderer, json_t *report, gw_error
     return GW_OK;
 }
 
-uint64_t gw_renderer_bytes(const gw_renderer *renderer) {
+gw_renderer_parts gw_renderer_parts_of(const gw_renderer *renderer) {
+    const gw_scene_buffers *scene = &renderer->buffers;
     const gw_ray_buffers *rays = &renderer->rays;
-    return gw_scene_buffers_bytes(&renderer->buffers) + renderer->totals.size + renderer->frame.size +
-           renderer->given_rays.size + renderer->found_hits.size + rays->fragments.size +
-           rays->statuses.size + rays->states.size + rays->queues[0].size + rays->queues[1].size +
-           rays->work.size + rays->sums.size + rays->pixels.size + renderer->samples.size +
-           renderer->blocks.size;
+    return (gw_renderer_parts){
+        .nodes = scene->nodes.size,
+        .references = scene->references.size + scene->boxes.size,
+        .voxels = scene->payloads.size + scene->emissions.size,
+        .triangles = scene->triangles.size,
+        .attributes = scene->faces.size + scene->vertices.size + scene->materials.size + scene->lights.size,
+        .textures = scene->textures.bytes,
+        .rays = renderer->totals.size + renderer->frame.size + renderer->given_rays.size +
+                renderer->found_hits.size + rays->fragments.size + rays->statuses.size + rays->states.size +
+                rays->queues[0].size + rays->queues[1].size + rays->work.size + rays->sums.size +
+                rays->pixels.size + renderer->samples.size + renderer->blocks.size};
+}
+
+uint64_t gw_renderer_bytes(const gw_renderer *renderer) {
+    const gw_renderer_parts p = gw_renderer_parts_of(renderer);
+    return p.nodes + p.references + p.voxels + p.triangles + p.attributes + p.textures + p.rays;
 }
 
 void gw_counters_add(gw_counters *to, const gw_counters *from) {

@@ -93,7 +93,16 @@ gw_code gw_renderer_trace_variant(gw_renderer *renderer, const gw_trace_variant 
 /* Adds "effects": {run, skipped: [{name, why}], forced, forbidden} to a report, and for a scene that moves
  * "rebuild" (render/moving.h). */
 gw_code gw_renderer_report(const gw_renderer *renderer, json_t *report, gw_error *error);
-/* Bytes on the GPU. */
+/* Bytes on the GPU, by what they hold. */
+typedef struct gw_renderer_parts {
+    uint64_t nodes, references,
+        voxels;                     /* of the octree; lists with their boxes, voxels with what they emit */
+    uint64_t triangles, attributes; /* corners; faces, vertices, materials and lights */
+    uint64_t textures;
+    uint64_t rays; /* of the largest frame so far */
+} gw_renderer_parts;
+gw_renderer_parts gw_renderer_parts_of(const gw_renderer *renderer);
+/* All of them. */
 uint64_t gw_renderer_bytes(const gw_renderer *renderer);
 /* What frames may need on the GPU beyond that, at most, however large the rectangle: it is rendered in
  * chunks, in the same buffers. bytes: of one ray, with voxels. rays: at a time, with a gaze; half of it

@@ -225,13 +225,3 @@ void gw_scene_buffers_bind(const gw_scene_buffers *buffers, uint32_t texture_fil
     if (buffers->boxes.texture)
         gw_gl_texture_bind(&buffers->boxes, 9 + GW_MAXIMUM_TEXTURE_CLASSES);
 }
-
-uint64_t gw_scene_buffers_bytes(const gw_scene_buffers *buffers) {
-    const gw_gl_buffer *all[] = {
-        &buffers->nodes,    &buffers->references, &buffers->triangles, &buffers->payloads,  &buffers->faces,
-        &buffers->vertices, &buffers->materials,  &buffers->lights,    &buffers->emissions, &buffers->boxes};
-    uint64_t bytes = buffers->textures.bytes;
-    for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
-        bytes += all[i]->size;
-    return bytes;
-}

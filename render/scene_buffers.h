@@ -25,6 +25,5 @@ gw_code gw_scene_buffers_move(gw_gl *device, const gw_scene *scene, const gw_oct
 void gw_scene_buffers_finish(gw_scene_buffers *buffers);
 /* Binds everything to the texture units that the shaders name (trace/fetch.glsl, shade/surface.glsl). */
 void gw_scene_buffers_bind(const gw_scene_buffers *buffers, uint32_t texture_filter);
-uint64_t gw_scene_buffers_bytes(const gw_scene_buffers *buffers);
 
 #endif

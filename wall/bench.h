@@ -20,7 +20,7 @@ typedef struct gw_bench {
     uint32_t repeats; /* 0: the bench's own number */
     uint32_t size[2]; /* px, of benches that trace a picture; 0: the bench's own */
     size_t scene_count;
-    const char *scenes[16]; /* of benches that take several; none: draw.scene */
+    const char *scenes[64]; /* of benches that take several; none: draw.scene */
     gw_console console;
     gw_model model; /* scene imported, device open, octree built; only the device where a bench has scenes of
                        its own */
@@ -38,6 +38,9 @@ gw_code gw_bench_layouts(gw_bench *bench, gw_error *error);
 /* The rays of the default wall's pixels, bench->size or the benches' default, in rebased space; free() them.
  */
 gw_code gw_bench_rays(const gw_bench *bench, gw_ray **rays, size_t *count, gw_error *error);
+
+/* Many models at once, each with its own octree and renderer on one device. */
+gw_code gw_bench_resident(gw_bench *bench, gw_error *error);
 
 /* Table 2 of Weier et al. 2014: bytes of an octree refined everywhere against one that stops early. */
 gw_code gw_bench_table2(gw_bench *bench, gw_error *error);

@@ -21,7 +21,7 @@ is "savings are of the row refined everywhere" "$(awk -F, '
     NR == 2 { all = $7 + $8 + $9 + $10 }
     NR == 3 { d = 100 * (1 - ($7 + $8 + $9 + $10) / all) - $11; print (d < 0.001 && d > -0.001 ? "yes" : d) }' "$csv")" yes
 expect "a scene that is not there" 2 "missing.obj" "${run[@]}" "$folder/missing.obj"
-expect "too many scenes" 2 "one scene too many" bench table2 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17
+expect "too many scenes" 2 "one scene too many" bench table2 $(seq 65)
 expect "scenes for a bench that takes one" 2 "one word too many" bench build a.obj
 
 expect "growth to 300 thousand triangles" 0 "fitted exponents" bench growth --quick --out "$folder/results"
@@ -36,4 +36,15 @@ for plot in time bytes; do
 print(xml.dom.minidom.parse(sys.argv[1]).documentElement.tagName)' "$folder/results/growth-$plot.svg" 2>&1)" svg
 done
 expect "a scene for growth" 2 "makes its own scenes" bench growth --scene a.obj
+
+# --- resident: every model has the picture that it has alone
+expect "four rocks at once" 0 "all 4" bench resident --quick --out "$folder/results"
+is "a header, four rows and their sum" "$(wc -l <"$folder/results/resident.csv")" 6
+is "bytes add up" "$(awk -F, 'NR > 1 && NR < 6 { sum += $3 + $4 + $5 + $6 + $7 + $8 + $9 }
+    NR == 6 { print sum - $3 - $4 - $5 - $6 - $7 - $8 - $9 }' "$folder/results/resident.csv")" 0
+"$program" bench resident --quick --quiet configs/scenes/moving.gltf "$folder/sheet.obj" --out "$folder/both"
+"$program" bench resident --quick --quiet "$folder/sheet.obj" --out "$folder/one"
+is "beside another model" "$(json "$folder/both/resident.json" '["bench"]["models"][1]["picture"]')" \
+    "$(json "$folder/one/resident.json" '["bench"]["models"][0]["picture"]')"
+is "which is another picture" "$(json "$folder/both/resident.json" '["bench"]["models"][0]["picture"] != d["bench"]["models"][1]["picture"]')" True
 finish

@@ -37,6 +37,8 @@
            "4096", "textures enter the voxels' colours through mip chains of at most this side")                       \
     GW_ROW(payload_rule, CHOICE, 0, 0, 1, "area|seed", BUILD, "", "colour and coverage of voxels against build time",   \
            "area", "how voxels average: by clipped area, or as Weier et al. 2014: every fragment alike, voxels solid") \
+    GW_ROW(separation, REAL, 0.1, 0.0, 1.0, "", BUILD, "sides", "light through walls against solid foliage", "tau 0",  \
+           "a voxel whose surface lies farther from its mean plane (root mean square) is flagged as separated")       \
     GW_ROW(geometry, CHOICE, 0, 0, 2, "hybrid|triangles|voxels", FRAME, "", "voxel error against triangle tests",       \
            "triangles", "what rays meet: triangles and voxels by footprint, triangles only, or finest voxels only")    \
     GW_ROW(tau, REAL, 1.0, 0.0, 64.0, "", FRAME, "footprints", "voxel error against steps and tests", "tau 0",         \

@@ -15,7 +15,8 @@ enum {
     LOCATION_NODE_FIRST,
     LOCATION_LEVEL,
     LOCATION_LIST_FIRST,
-    LOCATION_LIST_LIMIT
+    LOCATION_LIST_LIMIT,
+    LOCATION_SEPARATION
 };
 
 /* Everything that the leaf kernel reads, and the sums of two levels. */
@@ -26,7 +27,7 @@ typedef struct payload_stage {
     gw_gl_buffer sums, below; /* [node of the level][rows] of the present level and the one below it */
     GLuint leaf_program, inner_program, encode_program;
     uint32_t window_nodes; /* nodes whose sums fit in one storage block */
-    size_t sum_bytes;      /* of one node: four rows, a fifth with emission */
+    size_t sum_bytes;      /* of one node: sum_rows() */
 } payload_stage;
 
 static void finish_stage(payload_stage *stage) {
@@ -158,6 +159,11 @@ static void leaf_defines(const gw_scene *scene, const char *common, char *text, 
              textures ? "#define GW_TEXTURES 1\n" : "", scene->colors ? "#define GW_COLORS 1\n" : "");
 }
 
+/* Rows of a node's sums, as shaders/build/payload.glsl has them. */
+static int sum_rows(int seed, int emits) {
+    return (seed ? 4 : 6) + (emits ? 1 : 0);
+}
+
 static gw_code upload_inputs(payload_stage *stage, gw_error *error) {
     gw_code code = upload_faces(stage, error);
     if (code == GW_OK)
@@ -178,10 +184,10 @@ static gw_code start_stage(payload_stage *stage, gw_error *error) {
     char common[64], defines[192];
     snprintf(common, sizeof common, "%s%s", emits ? "#define GW_EMISSION 1\n" : "",
              seed ? "#define GW_SEED_RULE 1\n" : "");
-    stage->sum_bytes = (size_t)(emits ? 5 : 4) * ROW_BYTES;
+    stage->sum_bytes = (size_t)sum_rows(seed, emits) * ROW_BYTES;
     uint64_t nodes = (uint64_t)gw_gl_limits_of(device)->storage_block_bytes / stage->sum_bytes;
-    /* A window begins at a multiple of 16 nodes, 1024 or 1280 bytes: every driver's offset alignment divides
-     * that. */
+    /* A window begins at a multiple of 16 nodes, which is one of 256 bytes: every driver's offset alignment
+     * divides that. */
     stage->window_nodes = (uint32_t)(nodes < (1u << 30) ? nodes : 1u << 30) & ~15u;
     leaf_defines(stage->builder->scene, common, defines, sizeof defines);
     gw_code code = gw_gl_program(device, "build/payload_leaf.comp", defines, &stage->leaf_program, error);
@@ -322,6 +328,8 @@ static gw_code encode(payload_stage *stage, uint32_t level, uint32_t first, uint
     if (code == GW_OK) {
         glProgramUniform1ui(stage->encode_program, LOCATION_JOB_COUNT, count);
         gw_gl_buffer_bind(&stage->builder->inputs.thresholds, 1);
+        glProgramUniform1f(stage->encode_program, LOCATION_SEPARATION,
+                           (float)stage->builder->settings->separation);
         gw_gl_buffer_bind(&words, 2);
         if (octree->emissions)
             gw_gl_buffer_bind(&emissions, 3);

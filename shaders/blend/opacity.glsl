@@ -1,6 +1,6 @@
 // Front-to-back compositing along one ray, and the weights that blend octree levels.
 //
-// Opacities of adjacent cells are of one surface that passes through them: they add, up to 1. Where the ray leaves one
+// Opacities of adjacent cells of one surface that passes through them add, up to 1. Where the ray leaves one
 // surface and meets another, what was left behind the first multiplies. Multiplying within a surface would let light
 // through walls: a ray that crosses a wall in two cells of half coverage each would see a quarter of what is behind.
 
@@ -27,9 +27,11 @@ void begin_group_if_apart(float entry) {
     group_opacity = apart ? 0.0 : group_opacity;
 }
 
-// Adds one thing of the given opacity to the current group; the result is its weight in the pixel.
-float composite(float opacity) {
-    precise float added = min(opacity, 1.0 - group_opacity);
+// Adds one thing of the given opacity to the current group; the result is its weight in the pixel. sheet 1: part of the
+// group's surface; 0: a thing of its own, which what came before hides by chance.
+float composite(float opacity, float sheet) {
+    float left = 1.0 - group_opacity;
+    precise float added = mix(opacity * left, min(opacity, left), sheet);
     precise float weight = transmittance * added;
     group_opacity += added;
     return weight;

@@ -14,16 +14,27 @@ struct surface_sum {
     vec3 aligned;   // the same with each addend turned to the side of the sum so far: opposed normals do not cancel
     float roughness, metalness; // times area
     vec3 moment; // place in the cell, 0..1 along each axis, times area
+#ifndef GW_SEED_RULE
+    vec3 squares, products; // of places: xx, yy, zz and yz, zx, xy, times area; every part counts at its centroid
+#endif
 #ifdef GW_EMISSION
     vec3 emission; // emitted radiance times area
 #endif
 };
 
+// Rows of a node's sums: octree_payload.c (sum_rows) counts them alike.
+#ifdef GW_SEED_RULE
+#define PLACE_ROWS 4u
+#define NO_SQUARES
+#else
+#define PLACE_ROWS 6u
+#define NO_SQUARES , vec3(0.0), vec3(0.0)
+#endif
 #ifdef GW_EMISSION
-#define SUM_ROWS 5u
+#define SUM_ROWS (PLACE_ROWS + 1u)
 #define NO_EMISSION , vec3(0.0)
 #else
-#define SUM_ROWS 4u
+#define SUM_ROWS PLACE_ROWS
 #define NO_EMISSION
 #endif
 
@@ -40,42 +51,65 @@ uint job_index() {
 }
 
 surface_sum empty_sum() {
-    return surface_sum(0.0, vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0, vec3(0.0) NO_EMISSION);
+    return surface_sum(0.0, vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0, vec3(0.0) NO_SQUARES NO_EMISSION);
 }
 
 void add_surface(inout surface_sum sum, surface_sum addend) {
 #ifdef GW_SEED_RULE
     bool later = addend.aligned != vec3(0.0) && addend.moment.y >= sum.moment.y;
-    vec3 aligned = later ? addend.aligned : sum.aligned;
-    vec3 moment = vec3(sum.moment.x + addend.moment.x, max(sum.moment.y, addend.moment.y), 0.0);
+    sum.aligned = later ? addend.aligned : sum.aligned;
+    sum.moment = vec3(sum.moment.x + addend.moment.x, max(sum.moment.y, addend.moment.y), 0.0);
 #else
     precise float side = sum.aligned.x * addend.aligned.x + sum.aligned.y * addend.aligned.y + sum.aligned.z * addend.aligned.z;
     precise vec3 aligned = sum.aligned + (side < 0.0 ? -addend.aligned : addend.aligned);
     precise vec3 moment = sum.moment + addend.moment;
+    precise vec3 squares = sum.squares + addend.squares;
+    precise vec3 products = sum.products + addend.products;
+    sum.aligned = aligned;
+    sum.moment = moment;
+    sum.squares = squares;
+    sum.products = products;
 #endif
     precise float area = sum.area + addend.area;
     precise vec3 color = sum.color + addend.color;
     precise vec3 normal = sum.normal + addend.normal;
     precise float roughness = sum.roughness + addend.roughness;
     precise float metalness = sum.metalness + addend.metalness;
+    sum.area = area;
+    sum.color = color;
+    sum.normal = normal;
+    sum.roughness = roughness;
+    sum.metalness = metalness;
 #ifdef GW_EMISSION
     precise vec3 emission = sum.emission + addend.emission;
-    sum = surface_sum(area, color, normal, aligned, roughness, metalness, moment, emission);
-#else
-    sum = surface_sum(area, color, normal, aligned, roughness, metalness, moment);
+    sum.emission = emission;
 #endif
 }
 
-surface_sum unpack_sum(vec4 first, vec4 second, vec4 third, vec4 fourth) {
-    return surface_sum(first.x, first.yzw, second.xyz, third.xyz, second.w, third.w, fourth.xyz NO_EMISSION);
-}
+// The sums whose rows begin at `row`, read by fetch(row).
+#define LOAD_SUM(sum, row, fetch)                                                                                        \
+    surface_sum sum = surface_sum(fetch(row).x, fetch(row).yzw, fetch(row + 1u).xyz, fetch(row + 2u).xyz,                \
+                                  fetch(row + 1u).w, fetch(row + 2u).w, fetch(row + 3u).xyz NO_SQUARES NO_EMISSION);     \
+    LOAD_SQUARES(sum, row, fetch)                                                                                        \
+    LOAD_EMISSION(sum, row, fetch)
+#ifdef GW_SEED_RULE
+#define LOAD_SQUARES(sum, row, fetch)
+#else
+#define LOAD_SQUARES(sum, row, fetch)                                                                                    \
+    sum.squares = fetch(row + 4u).xyz;                                                                                   \
+    sum.products = fetch(row + 5u).xyz;
+#endif
+#ifdef GW_EMISSION
+#define LOAD_EMISSION(sum, row, fetch) sum.emission = fetch(row + PLACE_ROWS).xyz;
+#else
+#define LOAD_EMISSION(sum, row, fetch)
+#endif
+
+#define STORED_ROW(row) sums[row]
 
 surface_sum load_sum(uint node) {
     uint row = node * SUM_ROWS;
-    surface_sum sum = unpack_sum(sums[row], sums[row + 1u], sums[row + 2u], sums[row + 3u]);
-#ifdef GW_EMISSION
-    sum.emission = sums[row + 4u].xyz;
-#endif
+    LOAD_SUM(sum, row, STORED_ROW)
     return sum;
 }
 
@@ -85,7 +119,11 @@ void store_sum(uint node, surface_sum sum) {
     sums[row + 1u] = vec4(sum.normal, sum.roughness);
     sums[row + 2u] = vec4(sum.aligned, sum.metalness);
     sums[row + 3u] = vec4(sum.moment, 0.0);
+#ifndef GW_SEED_RULE
+    sums[row + 4u] = vec4(sum.squares, 0.0);
+    sums[row + 5u] = vec4(sum.products, 0.0);
+#endif
 #ifdef GW_EMISSION
-    sums[row + 4u] = vec4(sum.emission, 0.0);
+    sums[row + PLACE_ROWS] = vec4(sum.emission, 0.0);
 #endif
 }

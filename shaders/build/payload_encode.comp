@@ -54,9 +54,11 @@ float length_of(vec3 v) {
     return gw_square_root(square);
 }
 
+layout(location = 6) uniform float separation; // distance from the mean plane, rms in sides, from which no plane stands for a cell
+
 struct cell_shape {
     vec3 direction;     // of the normal, any length
-    bool two_sided, none;
+    bool two_sided, none, separated;
     uint agreement;     // code
     float offset, area; // of the surface along its normal, in sides; in face areas
 };
@@ -67,14 +69,16 @@ cell_shape shape_of(surface_sum sum, float inverse_count) {
     precise float opacity = sum.moment.x * inverse_count;
     precise float thickness = opacity * gw_reciprocal(1.0 - opacity + opacity * (1.0 / GW_PAYLOAD_AREA_MOST));
     vec3 direction = length_of(sum.normal) > 0.0 ? sum.normal : sum.aligned;
-    return cell_shape(direction, true, direction == vec3(0.0), GW_PAYLOAD_SOLID, 0.0, thickness);
+    return cell_shape(direction, true, direction == vec3(0.0), false, GW_PAYLOAD_SOLID, 0.0, thickness);
 }
 #else
 cell_shape shape_of(surface_sum sum, float inverse_area) {
     float straight = length_of(sum.normal);
     float aligned = length_of(sum.aligned);
-    // Opposed normals have met where turning them to one side makes the sum at least twice as long.
-    bool two_sided = aligned > 2.0 * straight;
+    // Opposed normals have met where turning them to one side makes the sum at least twice as long; a rough surface
+    // has lateral normals that turning makes longer, too, but keeps a length of its own.
+    precise float rough_length = 0.3 * sum.area;
+    bool two_sided = aligned > 2.0 * straight && straight < rough_length;
     float longest = two_sided ? aligned : straight;
     precise float flatness = longest * inverse_area;
     bool none = max(straight, aligned) * inverse_area < 1.0e-3;
@@ -84,7 +88,14 @@ cell_shape shape_of(surface_sum sum, float inverse_area) {
     precise vec3 place = sum.moment * inverse_area - 0.5;
     precise vec3 unit = direction * gw_reciprocal(max(longest, 0.0));
     precise float offset = place.x * unit.x + place.y * unit.y + place.z * unit.z;
-    return cell_shape(direction, two_sided, none, agreement, offset, sum.area);
+    // Mean square of the distance from the mean plane through the centroid: of second moments about it.
+    precise vec3 middle = sum.moment * inverse_area;
+    precise vec3 squares = sum.squares * inverse_area - middle * middle;
+    precise vec3 products = sum.products * inverse_area - middle.yzx * middle.zxy;
+    precise vec3 along = squares * unit * unit + 2.0 * products * unit.yzx * unit.zxy;
+    precise float spread = along.x + along.y + along.z;
+    bool separated = none || spread > separation * separation;
+    return cell_shape(direction, two_sided, none, separated, agreement, offset, sum.area);
 }
 #endif
 
@@ -101,8 +112,8 @@ void main() {
 #endif
     cell_shape shape = shape_of(sum, inverse_area);
     payloads[node * 3u] = encode_channel(color.x) | (encode_channel(color.y) << 10) | (encode_channel(color.z) << 20) |
-                          (shape.two_sided ? GW_PAYLOAD_TWO_SIDED : 0u) | (shape.none ? GW_PAYLOAD_NO_NORMAL : 0u);
-    payloads[node * 3u + 1u] = (shape.none ? 0u : encode_normal(shape.direction)) | (shape.agreement << 24);
+                          (shape.two_sided ? GW_PAYLOAD_TWO_SIDED : 0u) | (shape.separated ? GW_PAYLOAD_SEPARATED : 0u);
+    payloads[node * 3u + 1u] = (shape.none ? GW_PAYLOAD_NO_NORMAL : encode_normal(shape.direction)) | (shape.agreement << 24);
     float root = gw_square_root(shape.area);
     payloads[node * 3u + 2u] = encode_fraction(root, 4095.0 / 4.0, 0.0, 4095.0) |
                                (encode_fraction(shape.offset, GW_PAYLOAD_OFFSET_STEPS, 128.0, 255.0) << 12) |

@@ -28,11 +28,20 @@ surface_sum child_part(surface_sum part, uint k) {
 #endif
     part.area = 1.0;
 #else
-    precise vec3 place = 0.5 * (part.moment + vec3(k & 1u, (k >> 1) & 1u, k >> 2) * part.area);
+    // Places p of the child are (p + corner) / 2 in its parent.
+    vec3 corner = vec3(k & 1u, (k >> 1) & 1u, k >> 2);
+    precise vec3 place = 0.5 * (part.moment + corner * part.area);
+    precise vec3 squares = 0.25 * (part.squares + corner * (2.0 * part.moment + corner * part.area));
+    precise vec3 products = 0.25 * (part.products + corner.yzx * part.moment.zxy + corner.zxy * part.moment.yzx +
+                                    corner.yzx * corner.zxy * part.area);
     part.moment = place;
+    part.squares = squares;
+    part.products = products;
 #endif
     return part;
 }
+
+#define CHILD_ROW(row) texelFetch(child_sums, int(row))
 
 void main() {
     uint index = job_index();
@@ -44,12 +53,7 @@ void main() {
     for (uint k = 0u; k < 8u; ++k) {
         if (((job.z >> k) & 1u) == 0u)
             continue;
-        int texel = child * int(SUM_ROWS);
-        surface_sum part = unpack_sum(texelFetch(child_sums, texel), texelFetch(child_sums, texel + 1),
-                                      texelFetch(child_sums, texel + 2), texelFetch(child_sums, texel + 3));
-#ifdef GW_EMISSION
-        part.emission = texelFetch(child_sums, texel + 4).xyz;
-#endif
+        LOAD_SUM(part, uint(child) * SUM_ROWS, CHILD_ROW)
         add_surface(sum, child_part(part, k));
         ++child;
     }
@@ -61,6 +65,8 @@ void main() {
     sum.roughness *= 0.25;
     sum.metalness *= 0.25;
     sum.moment *= 0.25;
+    sum.squares *= 0.25;
+    sum.products *= 0.25;
 #ifdef GW_EMISSION
     sum.emission *= 0.25;
 #endif

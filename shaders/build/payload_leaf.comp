@@ -235,18 +235,28 @@ surface_sum triangle_surface(uint triangle, vec3 low, float scale) {
     precise vec3 area_normal = normal * area;
     precise float area_roughness = finish.x * area;
     precise float area_metalness = finish.y * area;
+    surface_sum part = empty_sum();
+    part.area = area;
+    part.color = area_color;
+    part.normal = area_normal;
+    part.aligned = area_normal;
+    part.roughness = area_roughness;
+    part.metalness = area_metalness;
 #ifdef GW_SEED_RULE
-    vec3 area_place = vec3(opacity, float(triangle) + 1.0, 0.0);
+    part.moment = vec3(opacity, float(triangle) + 1.0, 0.0);
 #else
     precise vec3 area_place = middle * area;
+    precise vec3 area_squares = middle * area_place;
+    precise vec3 area_products = middle.yzx * area_place.zxy;
+    part.moment = area_place;
+    part.squares = area_squares;
+    part.products = area_products;
 #endif
 #ifdef GW_EMISSION
     precise vec3 area_emission = texelFetch(material_texels, int(face.w) * 3 + 2).xyz * area;
-    return surface_sum(area, area_color, area_normal, area_normal, area_roughness, area_metalness, area_place,
-                       area_emission);
-#else
-    return surface_sum(area, area_color, area_normal, area_normal, area_roughness, area_metalness, area_place);
+    part.emission = area_emission;
 #endif
+    return part;
 }
 
 void main() {

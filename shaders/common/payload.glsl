@@ -9,8 +9,7 @@ vec3 payload_normal(uvec3 payload) {
 
 // 1: all normals of the cell agree; 0: they cancel.
 float payload_agreement(uvec3 payload) {
-    bool meaningless = (payload.x & GW_PAYLOAD_NO_NORMAL) != 0u;
-    return meaningless ? 0.0 : float(payload.y >> 24) * (1.0 / 255.0);
+    return GW_PAYLOAD_HAS_NORMAL(payload.y) ? float(payload.y >> 24) * (1.0 / 255.0) : 0.0;
 }
 
 // Surface in the cell over the cell's face area.
@@ -48,6 +47,18 @@ float cube_section(vec3 n, float s) {
     return section;
 }
 
+// 1 - exp(-x) for x >= 0, below 0.004 off.
+float absorbed(float x) {
+    precise float series = 1.0 + x * (1.0 + x * (0.5 + x * (1.0 / 6.0 + x * (1.0 / 24.0 + x * (1.0 / 120.0)))));
+    precise float share = 1.0 - 1.0 / series;
+    return share;
+}
+
+struct Voxel_opacity {
+    float opacity;
+    float sheet; // 1: part of a surface that goes on in the next cells; 0: a thing of its own, apart from what they hold
+};
+
 // Opacity of a cell to a ray that enters it at `enter` and leaves it at `leave`, both from the cell's centre in sides of the
 // cell, in the frame in which `normal` is given.
 //
@@ -55,9 +66,14 @@ float cube_section(vec3 n, float s) {
 // the sum over the cells of a layer does not depend on where the ray enters them. Where they agree it is its plane, as a thin
 // slab: only rays that cross the plane are stopped, by the share of the plane's section that the surface fills. Beside a leaf
 // of triangles a cloud would let grazing rays through that have crossed the surface in it, a slab does not.
-float payload_opacity(uvec3 payload, vec3 normal, vec3 enter, vec3 leave) {
+// A separated cell is never a slab; the things in it hide each other by chance, as the particles of a fog do.
+// Constants measured on leaves and walls: docs/performance.md, "Error of voxels".
+Voxel_opacity payload_opacity(uvec3 payload, vec3 normal, vec3 enter, vec3 leave) {
+    bool two_sided = (payload.x & GW_PAYLOAD_TWO_SIDED) != 0u;
+    bool separated = (payload.x & GW_PAYLOAD_SEPARATED) != 0u;
     float agreement = payload_agreement(payload);
-    float area = payload_area(payload);
+    // Where opposed normals met, one side of things lies behind the other: half of the area is what a ray can meet.
+    float area = two_sided ? 0.5 * payload_area(payload) : payload_area(payload);
     vec3 chord = leave - enter;
     precise float enter_height = dot(normal, enter);
     precise float leave_height = dot(normal, leave);
@@ -66,20 +82,24 @@ float payload_opacity(uvec3 payload, vec3 normal, vec3 enter, vec3 leave) {
     precise float cloud = area * mix(0.5 * travel, rise, agreement);
     // Where normals were turned to one side before their mean was taken (a ridge, a fold), the mean says little of a ray
     // across it: normals at the angle acos(agreement) about it face that ray by up to the sine.
-    bool folded = (payload.x & GW_PAYLOAD_TWO_SIDED) != 0u && agreement < FOLD_AGREEMENT;
+    bool folded = two_sided && agreement < FOLD_AGREEMENT;
     precise float across = area * sqrt((1.0 - agreement * agreement) * max(travel * travel - rise * rise, 0.0));
     cloud = folded ? max(cloud, 0.9 * across) : cloud;
+    cloud = separated ? absorbed(cloud) : min(cloud, 1.0);
 
     float reach = 0.5 * (abs(normal.x) + abs(normal.y) + abs(normal.z));
     float offset = payload_offset(payload);
     float centre = clamp(offset, SLAB_HALF - reach, reach - SLAB_HALF);
     precise float low = max(min(enter_height, leave_height), centre - SLAB_HALF);
     precise float high = min(max(enter_height, leave_height), centre + SLAB_HALF);
-    // Half the slab is enough: where the plane meets the cell's border, the other half lies in the neighbour, which may be
-    // a leaf of triangles and add nothing.
-    precise float crossed = clamp((high - low) * (1.0 / SLAB_HALF), 0.0, 1.0);
-    precise float filled = min(area / max(cube_section(normal, centre), 1e-3), 1.0);
+    precise float filled = area / max(cube_section(normal, centre), 1e-3);
+    // Half the slab is enough for a surface that fills its section: where the plane meets the cell's border, the other half
+    // lies in the neighbour, which may be a leaf of triangles and add nothing. What fills it in part must not count twice.
+    float part = min(filled, 1.0);
+    precise float crossed = clamp((high - low) / (SLAB_HALF * (2.0 - part * part)), 0.0, 1.0);
     float slab_share = clamp((agreement - CLOUD_AGREEMENT) * (1.0 / 0.15), 0.0, 1.0);
-    precise float opacity = mix(cloud, crossed * filled, folded ? 0.0 : slab_share);
-    return min(opacity, 1.0);
+    precise float opacity = mix(cloud, crossed * part, folded || separated ? 0.0 : slab_share);
+    // What fills half of its plane's section or more, however rough, goes on beyond the cell.
+    precise float sheet = min(2.0 * agreement * filled, 1.0);
+    return Voxel_opacity(min(opacity, 1.0), separated && two_sided ? 0.0 : sheet);
 }

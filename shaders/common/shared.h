@@ -41,8 +41,8 @@
 #define GW_BOX_MOST_TRIANGLES 4u
 // Payload of a node, 12 bytes (uvec3): what the cell looks like as one voxel.
 //   x  bits 0-9, 10-19, 20-29: red, green, blue, sRGB-encoded to 10 bits; bit 30: two-sided (opposed normals met);
-//      bit 31: normal is meaningless (use the ray's).
-//   y  bits 0-11, 12-23: octahedral unit normal, 2047 for 0; bits 24-31: length of the mean normal in 1/255 (1: flat, 0: all
+//      bit 31: separated (the surface lies apart from its mean plane: several sheets, or a volume of small things).
+//   y  bits 0-11, 12-23: octahedral unit normal, 2047 for 0; both GW_PAYLOAD_NO_NORMAL: meaningless, use the ray's; bits 24-31: length of the mean normal in 1/255 (1: flat, 0: all
 //      ways). Agreement GW_PAYLOAD_SOLID of a two-sided voxel is kept for octrees of payload_rule = seed: a solid voxel,
 //      whose area is its optical thickness (16: opaque).
 //   z  bits 0-11: area of the surface in the cell over the cell's face area, at most 16: area = 16 (code / 4095)^2, so that
@@ -51,7 +51,9 @@
 // Emission of a node, 4 bytes (uint), only in octrees of scenes in which something emits light: mean emitted radiance of the
 // cell's surface with a shared exponent, as GL's RGB9_E5: value = mantissa (9 bits each) * 2^(bits 27-31 - 24).
 #define GW_PAYLOAD_TWO_SIDED 0x40000000u
-#define GW_PAYLOAD_NO_NORMAL 0x80000000u
+#define GW_PAYLOAD_SEPARATED 0x80000000u
+#define GW_PAYLOAD_NO_NORMAL 0xffffffu
+#define GW_PAYLOAD_HAS_NORMAL(y) (((y) & 0xffffffu) != GW_PAYLOAD_NO_NORMAL)
 #define GW_PAYLOAD_SOLID 252u
 #define GW_PAYLOAD_AREA_CODE(z) ((z) & 0xfffu)
 #define GW_PAYLOAD_OFFSET_CODE(z) (((z) >> 12) & 0xffu)

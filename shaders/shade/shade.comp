@@ -50,7 +50,7 @@ float composite_provisional(uint slot, float opacity, inout float left) {
     uint at = slot * GW_STATE_WORDS + GW_STATE_TRANSMITTANCE;
     transmittance = uintBitsToFloat(states[at]);
     group_opacity = uintBitsToFloat(states[at + 1u]);
-    float weight = composite(opacity);
+    float weight = composite(opacity, 1.0);
     states[at + 1u] = floatBitsToUint(group_opacity);
     left = remaining();
     return weight;

@@ -117,7 +117,7 @@ Surface surface_of_voxel(uint node, float t, vec3 origin, vec3 direction) {
     vec3 towards = -normalize(direction);
     vec3 normal = payload_normal(payload);
     normal = dot(normal, towards) < 0.0 ? -normal : normal;
-    surface.normal = (payload.x & GW_PAYLOAD_NO_NORMAL) != 0u ? towards : normal;
+    surface.normal = GW_PAYLOAD_HAS_NORMAL(payload.y) ? normal : towards;
     surface.base_color = srgb_decode(vec3(payload.x & 0x3ffu, (payload.x >> 10) & 0x3ffu, (payload.x >> 20) & 0x3ffu) *
                                      (1.0 / 1023.0));
     surface.agreement = payload_agreement(payload);

@@ -91,7 +91,7 @@ uint emit_nearest() {
         cell_entry = leaf_entry;
         return status | GW_STATUS_PROVISIONAL | GW_STATUS_SUSPENDED;
     }
-    fragments[at + 2u] = floatBitsToUint(composite(1.0));
+    fragments[at + 2u] = floatBitsToUint(composite(1.0, 1.0));
 #endif
     return status;
 }

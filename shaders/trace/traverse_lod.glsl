@@ -45,9 +45,10 @@ void emit_voxel(uint index, float share, int s, float leave) {
     uvec3 payload = PAYLOAD(index);
     vec3 normal = payload_normal(payload);
     normal = mix(normal, -normal, bvec3((mirror & 1u) != 0u, (mirror & 2u) != 0u, (mirror & 4u) != 0u));
-    precise float opacity = share * payload_opacity(payload, normal, place_in_cell(cell_entry, s), place_in_cell(leave, s));
+    Voxel_opacity voxel = payload_opacity(payload, normal, place_in_cell(cell_entry, s), place_in_cell(leave, s));
+    precise float opacity = share * voxel.opacity;
     begin_group_if_apart(cell_entry);
-    float weight = composite(opacity);
+    float weight = composite(opacity, voxel.sheet);
     group_end = max(group_end, leave);
     COUNT_VOXEL();
     if (weight > LEAST_WEIGHT)
@@ -66,9 +67,9 @@ void emit_hit() {
 #ifdef ALPHA
     provisional = (hit_flags & GW_TRIANGLE_ALPHA) != 0u;
     if (!provisional)
-        weight = composite(leaf_share);
+        weight = composite(leaf_share, 1.0);
 #else
-    weight = composite(leaf_share);
+    weight = composite(leaf_share, 1.0);
 #endif
     emit(hit_triangle & ~GW_HIT_BACK, hit_t, weight);
     floor_t = hit_t;

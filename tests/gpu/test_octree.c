@@ -242,7 +242,7 @@ static void test_payload_conserves_area_and_color(void **state) {
         /* linear 0.5 is 0.7354 in sRGB, 752 of 1023 */
         for (int channel = 0; channel < 3; ++channel)
             assert_in_range(octree->payloads[0].color >> (10 * channel) & 0x3ffu, 751, 753);
-        assert_false(octree->payloads[0].color & GW_PAYLOAD_NO_NORMAL);
+        assert_true(GW_PAYLOAD_HAS_NORMAL(octree->payloads[0].normal));
         gw_octree_destroy(&octree);
     }
     gw_scene_destroy(&scene);
@@ -364,7 +364,7 @@ static void test_opposed_normals_are_two_sided(void **state) {
     gw_octree *octree = build(scene, &settings, 0);
     validate(scene, octree);
     assert_true(octree->payloads[0].color & GW_PAYLOAD_TWO_SIDED);
-    assert_false(octree->payloads[0].color & GW_PAYLOAD_NO_NORMAL);
+    assert_true(GW_PAYLOAD_HAS_NORMAL(octree->payloads[0].normal));
     assert_true(octree->payloads[0].normal >> 24 > 240);
     gw_octree_destroy(&octree);
     gw_scene_destroy(&scene);

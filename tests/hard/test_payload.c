@@ -132,10 +132,164 @@ static void normals_do_not_turn_aside(void **state) {
     assert_true(error_of_wedges("payload_rule=seed") > 0.5); /* the naive rule fails */
 }
 
+/* Shares of the nodes of a level whose surface is flagged as separated, in a pair of oblique parallel sheets.
+ */
+static double separated_share(double distance, int level) {
+    gw_mesh mesh = {0};
+    add_ballast(&mesh);
+    for (int i = 0; i < 2; ++i)
+        gw_mesh_add_grid(&mesh, (const double[]){-0.9, -0.9, -0.3 + i * distance},
+                         (const double[]){1.8, 0, 0.4}, (const double[]){0, 1.8, 0.3}, 64, 64);
+    gw_stage stage;
+    check_ok(
+        gw_stage_open(&stage, scene_of(&mesh), NULL, (const char *const[]){"octree_depth=8", NULL}, &error));
+    const gw_octree *octree = stage.octree;
+    uint32_t flagged = 0, first = octree->level_begin[level], last = octree->level_begin[level + 1];
+    for (uint32_t i = first; i < last; ++i)
+        flagged += (octree->payloads[i].color & GW_PAYLOAD_SEPARATED) != 0;
+    double share = (double)flagged / (last - first);
+    print_message("sheets %.4f apart, level %d: %.3f of %u nodes are separated\n", distance, level, share,
+                  last - first);
+    gw_stage_close(&stage);
+    return share;
+}
+
+/* Sheets that are apart within a cell of 1/16 m (level 5 of 2 m), and sheets that one plane stands for. */
+static void sheets_apart_are_flagged(void **state) {
+    (void)state;
+    assert_true(separated_share(0.03, 5) > 0.3); /* the others hold one sheet only */
+    assert_true(separated_share(0.003, 5) < 0.05);
+}
+
+/* Share of the light of a white background that comes through: the scene's surfaces are black. */
+static void darken(gw_scene *scene) {
+    for (uint32_t m = 0; m < scene->material_count; ++m)
+        set_grey(scene->materials[m].base_color, 0.0f);
+    set_grey(scene->ambient, 0.0f);
+    set_grey(scene->background, 1.0f);
+}
+
+/* Prints and returns the largest difference of the mean opacity, over accepted errors tau, from that of
+ * triangles. */
+static double coverage_error(gw_stage *stage, gw_camera *camera, const char *name, float largest_tau) {
+    gw_renderer *renderer = gw_stage_renderer(stage);
+    double exact = 0.0, most = 0.0;
+    for (float tau = 0.0f; tau <= largest_tau; tau = tau > 0.0f ? 2.0f * tau : 1.0f) {
+        camera->state.tau_inside = tau;
+        uint8_t *rgba = gw_camera_take(camera, renderer, NULL);
+        double opacity = 1.0 - gw_mean_linear(rgba, PIXELS);
+        free(rgba);
+        print_message("%s, tau %g: opacity %.4f\n", name, (double)tau, opacity);
+        exact = tau > 0.0f ? exact : opacity;
+        most = fmax(most, fabs(opacity - exact));
+    }
+    gw_renderer_destroy(&renderer);
+    return most / exact;
+}
+
+/* A finely cut wall, oblique to the cells, larger than the picture. */
+static gw_scene *oblique_wall(void) {
+    gw_mesh mesh = {0};
+    add_ballast(&mesh);
+    gw_mesh_add_grid(&mesh, (const double[]){-0.9, -1, -0.3}, (const double[]){1.8, 0, 0.6},
+                     (const double[]){0, 2, 0.2}, 96, 96);
+    return scene_of(&mesh);
+}
+
+static void look_at_wall(gw_camera *camera, const gw_stage *stage) {
+    gw_camera_look(camera, stage, (const double[]){0.4, 0.3, 3}, (const double[]){0, 0, 0}, 20, SIDE);
+}
+
+/* Glass of opacity 0.3. */
+static void blended_surfaces_keep_their_opacity(void **state) {
+    (void)state;
+    gw_stage stage;
+    gw_scene *scene = oblique_wall();
+    darken(scene);
+    scene->materials[0].alpha_mode = GW_ALPHA_BLEND;
+    scene->materials[0].base_color[3] = 0.3f;
+    check_ok(gw_stage_open(&stage, scene, NULL, (const char *const[]){"octree_depth=9", NULL}, &error));
+    gw_camera camera;
+    look_at_wall(&camera, &stage);
+    assert_true(coverage_error(&stage, &camera, "glass", 16.0f) < 0.05);
+    gw_stage_close(&stage);
+}
+
+/* Discs cut out by a texture's alpha: half of the wall. With the texture left out of the voxels (its side 1:
+ * one mean texel would do; cut before it is averaged, or the mean passes or fails the cut-off as a whole). */
+static void masked_surfaces_keep_their_opacity(void **state) {
+    (void)state;
+    enum { TEXELS = 64 };
+    gw_stage stage;
+    gw_scene *scene = oblique_wall();
+    void *memory = NULL;
+    check_ok(gw_allocate(&memory, 1, sizeof *scene->textures, "texture", &error));
+    scene->textures = memory;
+    scene->texture_count = 1;
+    check_ok(gw_image_create(TEXELS, TEXELS, &scene->textures[0].image, &error));
+    for (int y = 0; y < TEXELS; ++y)
+        for (int x = 0; x < TEXELS; ++x) {
+            double dx = (x + 0.5) / TEXELS - 0.5, dy = (y + 0.5) / TEXELS - 0.5;
+            scene->textures[0].image.rgba[(y * TEXELS + x) * 4 + 3] = dx * dx + dy * dy < 0.16 ? 255 : 0;
+        }
+    for (uint32_t v = 0; v < scene->vertex_count; ++v)
+        for (int k = 0; k < 2; ++k)
+            scene->texcoords[v * 2 + (uint32_t)k] = 5.0f * scene->positions[v * 3 + (uint32_t)k];
+    darken(scene);
+    scene->materials[0].alpha_mode = GW_ALPHA_MASK;
+    scene->materials[0].alpha_cutoff = 0.5f;
+    scene->materials[0].base_color_texture = 0;
+    check_ok(gw_stage_open(&stage, scene, NULL, (const char *const[]){"octree_depth=9", NULL}, &error));
+    gw_camera camera;
+    look_at_wall(&camera, &stage);
+    assert_true(coverage_error(&stage, &camera, "discs", 16.0f) < 0.05);
+    gw_stage_close(&stage);
+}
+
+/* A cloud of small leaves, each with two sides as modellers make them: what they hide of each other is
+ * chance, and their backs hide nothing. Where all that follows in adjacent cells adds up as one surface does,
+ * it closes. */
+static double error_of_leaves(const char *separation) {
+    gw_mesh mesh = {0};
+    uint64_t random = 11;
+    for (int i = 0; i < 6000; ++i) {
+        double at[3], u[3], v[3];
+        for (int k = 0; k < 3; ++k) {
+            at[k] = 2.0 * gw_test_random(&random) - 1.0;
+            u[k] = 0.09 * (gw_test_random(&random) - 0.5);
+            v[k] = 0.09 * (gw_test_random(&random) - 0.5);
+        }
+        gw_mesh_add_grid(&mesh, at, u, v, 1, 1);
+        at[2] += 1e-4;
+        gw_mesh_add_grid(&mesh, at, v, u, 1, 1);
+    }
+    gw_stage stage;
+    gw_scene *scene = scene_of(&mesh);
+    darken(scene);
+    check_ok(gw_stage_open(&stage, scene, NULL, (const char *const[]){"octree_depth=8", separation, NULL},
+                           &error));
+    gw_camera camera;
+    gw_camera_look(&camera, &stage, (const double[]){0.4, 0.3, 5}, (const double[]){0, 0, 0}, 20, SIDE);
+    double most = coverage_error(&stage, &camera, separation, 8.0f);
+    gw_stage_close(&stage);
+    return most;
+}
+
+static void leaves_hide_each_other_by_chance(void **state) {
+    (void)state;
+    double known = error_of_leaves("separation=0.1"), naive = error_of_leaves("separation=1");
+    assert_true(known < 0.2);
+    assert_true(naive > 2.0 * known); /* the naive rule fails */
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(colours_count_by_area),
         cmocka_unit_test(normals_do_not_turn_aside),
+        cmocka_unit_test(sheets_apart_are_flagged),
+        cmocka_unit_test(blended_surfaces_keep_their_opacity),
+        cmocka_unit_test(masked_surfaces_keep_their_opacity),
+        cmocka_unit_test(leaves_hide_each_other_by_chance),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -53,6 +53,9 @@ void gw_gl_reset_peak(gw_gl *device);
  * the version line (NULL for none). "#version 450 core" is put first by this function. The same (name,
  * defines) is compiled once and shared: programs belong to the device. */
 gw_code gw_gl_program(gw_gl *device, const char *name, const char *defines, GLuint *out, gw_error *error);
+/* Program that draws, from shaders/<name>.vert, .geom and .frag. */
+gw_code gw_gl_draw_program(gw_gl *device, const char *name, const char *defines, GLuint *out,
+                           gw_error *error);
 /* The assembled text that gw_gl_program would compile; free() it. */
 gw_code gw_gl_shader_text(gw_gl *device, const char *name, const char *defines, char **out, gw_error *error);
 /* Location of a uniform that must exist and be used; GW_MACHINE names both otherwise. -1 is never returned as

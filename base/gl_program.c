@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "base/shader_text.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,31 +23,36 @@ void gw_gl_programs_finish(gw_gl *device) {
 }
 
 /* The whole log is read before it is sorted: warnings of many screens may stand before the first error. */
-static gw_code fail_build(const gw_shader_text *text, const char *step, GLuint object, bool is_program,
-                          gw_error *error) {
+static gw_code fail_compile(const gw_shader_text *text, GLuint shader, gw_error *error) {
     GLint size = 0;
-    (is_program ? glGetProgramiv : glGetShaderiv)(object, GL_INFO_LOG_LENGTH, &size);
+    glGetShaderiv(shader, GL_INFO_LOG_LENGTH, &size);
     char *log = calloc((size_t)(size > 0 ? size : 0) + 1, 1);
     if (log && size > 0) {
-        (is_program ? glGetProgramInfoLog : glGetShaderInfoLog)(object, size, NULL, log);
+        glGetShaderInfoLog(shader, size, NULL, log);
     }
     char *message = log ? gw_shader_text_message(text, log) : NULL;
-    gw_code code = gw_fail(error, GW_MACHINE, "%s does not %s:\n%s", text->files[0], step,
+    gw_code code = gw_fail(error, GW_MACHINE, "%s does not compile:\n%s", text->files[0],
                            message ? message : "not enough memory for the driver's log");
     free(message);
     free(log);
     return code;
 }
 
-static gw_code compile_shader(const gw_shader_text *text, GLuint *out, gw_error *error) {
-    GLuint shader = glCreateShader(GL_COMPUTE_SHADER);
+static gw_code fail_link(const char *name, GLuint program, gw_error *error) {
+    char log[1024] = "";
+    glGetProgramInfoLog(program, sizeof log, NULL, log);
+    return gw_fail(error, GW_MACHINE, "shaders/%s does not link:\n%s", name, log);
+}
+
+static gw_code compile_shader(const gw_shader_text *text, GLenum stage, GLuint *out, gw_error *error) {
+    GLuint shader = glCreateShader(stage);
     const GLchar *source = text->text;
     glShaderSource(shader, 1, &source, NULL);
     glCompileShader(shader);
     GLint done = GL_FALSE;
     glGetShaderiv(shader, GL_COMPILE_STATUS, &done);
     if (!done) {
-        gw_code code = fail_build(text, "compile", shader, false, error);
+        gw_code code = fail_compile(text, shader, error);
         glDeleteShader(shader);
         return code;
     }
@@ -54,21 +60,48 @@ static gw_code compile_shader(const gw_shader_text *text, GLuint *out, gw_error 
     return GW_OK;
 }
 
-static gw_code link_program(const gw_shader_text *text, GLuint *out, gw_error *error) {
+/* One file of a program and its stage. */
+typedef struct program_stage {
+    const char *name;
+    GLenum stage;
+} program_stage;
+
+static gw_code attach_stage(gw_gl *device, GLuint program, const program_stage *stage, const char *defines,
+                            gw_error *error) {
+    gw_shader_text text;
     GLuint shader = 0;
-    gw_code code = compile_shader(text, &shader, error);
+    gw_code code = gw_shader_text_create(device->shader_folder, stage->name, defines, &text, error);
     if (code) {
         return code;
     }
-    GLuint program = glCreateProgram();
-    glAttachShader(program, shader);
-    glLinkProgram(program);
-    glDetachShader(program, shader);
-    glDeleteShader(shader);
-    GLint done = GL_FALSE;
-    glGetProgramiv(program, GL_LINK_STATUS, &done);
-    if (!done) {
-        code = fail_build(text, "link", program, true, error);
+    code = compile_shader(&text, stage->stage, &shader, error);
+    if (!code) {
+        glAttachShader(program, shader);
+        glDeleteShader(shader); /* lives on until it is detached */
+    }
+    gw_shader_text_finish(&text);
+    return code;
+}
+
+static gw_code link_program(gw_gl *device, const program_stage *stages, size_t count, const char *defines,
+                            GLuint *out, gw_error *error) {
+    GLuint program = glCreateProgram(), attached[4];
+    gw_code code = GW_OK;
+    for (size_t i = 0; i < count && !code; i++) {
+        code = attach_stage(device, program, &stages[i], defines, error);
+    }
+    if (!code) {
+        GLsizei held = 0;
+        GLint done = GL_FALSE;
+        glLinkProgram(program);
+        glGetAttachedShaders(program, 4, &held, attached);
+        for (GLsizei i = 0; i < held; i++) {
+            glDetachShader(program, attached[i]);
+        }
+        glGetProgramiv(program, GL_LINK_STATUS, &done);
+        code = done ? GW_OK : fail_link(stages[0].name, program, error);
+    }
+    if (code) {
         glDeleteProgram(program);
         return code;
     }
@@ -95,9 +128,11 @@ static gw_code remember(gw_gl *device, const char *name, const char *defines, GL
     return GW_OK;
 }
 
-gw_code gw_gl_program(gw_gl *device, const char *name, const char *defines, GLuint *out, gw_error *error) {
+/* The program of these stages, found by the first one's name or made. */
+static gw_code find_program(gw_gl *device, const program_stage *stages, size_t count, const char *defines,
+                            GLuint *out, gw_error *error) {
     *out = 0;
-    const char *key = defines ? defines : "";
+    const char *name = stages[0].name, *key = defines ? defines : "";
     for (size_t i = 0; i < device->program_count; i++) {
         if (strcmp(device->programs[i].name, name) == 0 && strcmp(device->programs[i].defines, key) == 0) {
             *out = device->programs[i].id;
@@ -105,13 +140,8 @@ gw_code gw_gl_program(gw_gl *device, const char *name, const char *defines, GLui
         }
     }
     int64_t start = gw_now_ns();
-    gw_shader_text text;
-    gw_code code = gw_shader_text_create(device->shader_folder, name, defines, &text, error);
-    if (code) {
-        return code;
-    }
     GLuint program = 0;
-    code = link_program(&text, &program, error);
+    gw_code code = link_program(device, stages, count, defines, &program, error);
     if (!code) {
         code = remember(device, name, key, program, error);
         if (code) {
@@ -124,8 +154,27 @@ gw_code gw_gl_program(gw_gl *device, const char *name, const char *defines, GLui
                      (double)(gw_now_ns() - start) * 1e-6);
         *out = program;
     }
-    gw_shader_text_finish(&text);
     return code;
+}
+
+gw_code gw_gl_program(gw_gl *device, const char *name, const char *defines, GLuint *out, gw_error *error) {
+    const program_stage stage = {name, GL_COMPUTE_SHADER};
+    return find_program(device, &stage, 1, defines, out, error);
+}
+
+gw_code gw_gl_draw_program(gw_gl *device, const char *name, const char *defines, GLuint *out,
+                           gw_error *error) {
+    static const struct {
+        const char *extension;
+        GLenum stage;
+    } kinds[] = {{"vert", GL_VERTEX_SHADER}, {"geom", GL_GEOMETRY_SHADER}, {"frag", GL_FRAGMENT_SHADER}};
+    char names[3][256];
+    program_stage stages[3];
+    for (int i = 0; i < 3; i++) {
+        snprintf(names[i], sizeof names[i], "%s.%s", name, kinds[i].extension);
+        stages[i] = (program_stage){names[i], kinds[i].stage};
+    }
+    return find_program(device, stages, 3, defines, out, error);
 }
 
 gw_code gw_gl_shader_text(gw_gl *device, const char *name, const char *defines, char **out, gw_error *error) {

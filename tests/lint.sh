@@ -18,7 +18,7 @@ problems=0
 layers=(base tracking build render wall)
 mapfile -t sources < <(find "${layers[@]}" tests shaders docs -name '*.c' | sort)
 mapfile -t headers < <(find "${layers[@]}" tests -name '*.h' | sort)
-mapfile -t shaders < <(find shaders -name '*.comp' -o -name '*.glsl' -o -name '*.h' | sort)
+mapfile -t shaders < <(find shaders -name '*.comp' -o -name '*.vert' -o -name '*.geom' -o -name '*.frag' -o -name '*.glsl' -o -name '*.h' | sort)
 mapfile -t texts < <(find . \( -path ./.git -o -path ./out -o -name '*.png' -o -name '*.vrpn' \) -prune -o -type f -print | sort)
 
 need() {
@@ -112,7 +112,7 @@ check_shader() {
     # shellcheck disable=SC2086  # defines are words
     if ! out=$("$assemble" shaders "$name" $defines 2>&1 >"$text"); then
         report "$file ($defines)" "$out"
-    elif ! out=$(glslangValidator -S comp "$text"); then
+    elif ! out=$(glslangValidator -S "${file##*.}" "$text"); then
         # shellcheck disable=SC2086
         report "$file ($defines)" "$(printf '%s\n' "$out" | "$assemble" --messages shaders "$name" $defines)"
     fi
@@ -123,7 +123,7 @@ check_shaders() {
     need glslangValidator || return
     local file set
     for file in "${shaders[@]}"; do
-        case $file in *.comp) ;; *) continue ;; esac
+        case $file in *.glsl | *.h) continue ;; esac
         if ! grep -q '^// variants:' "$file"; then
             check_shader "$file" ""
             continue

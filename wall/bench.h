@@ -48,12 +48,16 @@ gw_code gw_bench_table2(gw_bench *bench, gw_error *error);
 /* Build time and bytes from 10 thousand to 10 million triangles of a scene made by formula. */
 gw_code gw_bench_growth(gw_bench *bench, gw_error *error);
 
+/* The rasterised voxeliser of Weier et al. 2014 against the refinement of pairs. */
+gw_code gw_bench_voxelise(gw_bench *bench, gw_error *error);
+
 /* One octree's work, bytes and times. */
 typedef struct gw_built {
     uint32_t depth, triangles;
     gw_octree_statistics statistics; /* of the fastest build */
-    uint64_t node_bytes, reference_bytes, payload_bytes, triangle_bytes;
-    double total_ms; /* of the fastest build, uploads and hash included */
+    uint64_t node_bytes, reference_bytes, payload_bytes,
+        triangle_bytes; /* boxes of dense leaves: references */
+    double total_ms;    /* of the fastest build, uploads and hash included */
     gw_hash hash;
 } gw_built;
 

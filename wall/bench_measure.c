@@ -18,16 +18,16 @@ gw_code gw_bench_measure(const gw_bench *bench, const gw_scene *scene, const gw_
             code = gw_fail(error, GW_MACHINE,
                            "two builds of the same octree differ; this device is not deterministic");
         if (i == 0 || total_ms < out->total_ms)
-            *out = (gw_built){.depth = octree->depth,
-                              .triangles = scene->triangle_count,
-                              .statistics = octree->statistics,
-                              .node_bytes = gw_octree_node_bytes(octree),
-                              .reference_bytes = gw_octree_reference_bytes(octree),
-                              .payload_bytes =
-                                  gw_octree_payload_bytes(octree) + gw_octree_emission_bytes(octree),
-                              .triangle_bytes = gw_triangle_bytes(scene),
-                              .total_ms = total_ms,
-                              .hash = octree->hash};
+            *out = (gw_built){
+                .depth = octree->depth,
+                .triangles = scene->triangle_count,
+                .statistics = octree->statistics,
+                .node_bytes = gw_octree_node_bytes(octree),
+                .reference_bytes = gw_octree_reference_bytes(octree) + gw_octree_box_bytes(octree),
+                .payload_bytes = gw_octree_payload_bytes(octree) + gw_octree_emission_bytes(octree),
+                .triangle_bytes = gw_triangle_bytes(scene),
+                .total_ms = total_ms,
+                .hash = octree->hash};
         gw_octree_destroy(&octree);
     }
     return code;

@@ -50,7 +50,7 @@ static const struct {
 
 typedef struct table_row {
     const gw_built *built;
-    double nodes, references, voxels, triangles; /* bytes */
+    double nodes, references, voxels, triangles; /* bytes; references with the boxes of dense leaves */
     double saved_all,
         saved_tree; /* of all bytes, of nodes and voxels; per cent, negative for no comparison */
 } table_row;

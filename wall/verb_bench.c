@@ -12,21 +12,26 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* What of --scene is opened before a bench runs. */
+typedef enum bench_needs {
+    NEEDS_OCTREE,
+    NEEDS_SCENE,
+    NEEDS_SCENES, /* several, after the bench's name; it opens them itself */
+    NEEDS_NOTHING
+} bench_needs;
+
 typedef struct bench_kind {
     const char *name;
     gw_code (*run)(gw_bench *bench, gw_error *error);
-    enum {
-        ONE_SCENE,
-        SEVERAL_SCENES,
-        NO_SCENE
-    } scenes;        /* one is opened for it; the others open or make theirs */
+    bench_needs needs;
     int plain_lists; /* 1: compares forms of the octree that know no boxes over lists */
 } bench_kind;
 
 static const bench_kind kinds[] = {
-    {"build", gw_bench_build, ONE_SCENE, 0},     {"peers", gw_bench_peers, ONE_SCENE, 0},
-    {"layouts", gw_bench_layouts, ONE_SCENE, 1}, {"table2", gw_bench_table2, SEVERAL_SCENES, 0},
-    {"growth", gw_bench_growth, NO_SCENE, 0},    {"resident", gw_bench_resident, SEVERAL_SCENES, 0},
+    {"build", gw_bench_build, NEEDS_OCTREE, 0},      {"peers", gw_bench_peers, NEEDS_OCTREE, 0},
+    {"layouts", gw_bench_layouts, NEEDS_OCTREE, 1},  {"table2", gw_bench_table2, NEEDS_SCENES, 0},
+    {"growth", gw_bench_growth, NEEDS_NOTHING, 0},   {"resident", gw_bench_resident, NEEDS_SCENES, 0},
+    {"voxelise", gw_bench_voxelise, NEEDS_SCENE, 1},
 };
 enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };
 
@@ -62,15 +67,16 @@ static gw_code choose_kind(bench_options *o, const char *word, gw_error *error) 
             return GW_OK;
         }
     }
-    if (o->kind && o->kind->scenes == SEVERAL_SCENES)
+    if (o->kind && o->kind->needs == NEEDS_SCENES)
         return add_scene(&o->bench, word, error);
     if (o->kind)
         return gw_fail(error, GW_BAD_INPUT, "'%s' is one word too many; bench measures one thing at a time",
                        word);
     const char *near = gw_suggest(word, names, KIND_COUNT);
-    return gw_fail(error, GW_BAD_INPUT,
-                   "there is no bench '%s'; it is build, peers, layouts, table2, growth or resident%s%s%s",
-                   word, near ? " (did you mean '" : "", near ? near : "", near ? "'?)" : "");
+    return gw_fail(
+        error, GW_BAD_INPUT,
+        "there is no bench '%s'; it is build, peers, layouts, table2, growth, resident or voxelise%s%s%s",
+        word, near ? " (did you mean '" : "", near ? near : "", near ? "'?)" : "");
 }
 
 static error_t parse_bench(int key, char *argument, struct argp_state *state) {
@@ -108,7 +114,7 @@ static const struct argp_child children[] = {{&gw_draw_argp, 0, NULL, 0}, {0}};
 static const struct argp bench_argp = {
     .options = options_table,
     .parser = parse_bench,
-    .args_doc = "build|peers|layouts|table2 [SCENE...]|growth|resident [SCENE...]",
+    .args_doc = "build|peers|layouts|table2 [SCENE...]|growth|resident [SCENE...]|voxelise",
     .children = children,
     .doc =
         "build: builds the scene's octree again and again; medians, phases, pairs, bytes a triangle.\n"
@@ -126,7 +132,10 @@ static const struct argp bench_argp = {
         "by "
         "formula; time, tests, nodes and bytes, fitted exponents, plots.\n"
         "resident: opens every SCENE (without: 36 rocks) with an octree of 512^3 and a renderer of its own, "
-        "all at once on one device; bytes by part, one frame of each.\v"
+        "all at once on one device; bytes by part, one frame of each.\n"
+        "voxelise: the same paper's rasterised voxeliser against refinement: pairs that one of them lacks, "
+        "and why; "
+        "time and bytes.\v"
         "Examples:\n"
         "  gazewall bench build --scene dragon.ply --out results\n"
         "  gazewall bench peers --quick\n"
@@ -156,19 +165,22 @@ static gw_code prepare(bench_options *o, int argc, char **argv, gw_error *error)
     if (o->kind->plain_lists)
         bench->draw.settings.dense_leaf = 0;
     gw_code code = gw_report_create(argc, argv, &bench->report, error);
-    if (!code)
-        code = o->kind->scenes != ONE_SCENE
-                   ? gw_model_open_device(model, &bench->draw, &bench->console.log, error)
-                   : gw_model_open(model, &bench->draw, &bench->console.log, error);
+    if (!code && o->kind->needs == NEEDS_OCTREE)
+        code = gw_model_open(model, &bench->draw, &bench->console.log, error);
+    if (!code && o->kind->needs == NEEDS_SCENE)
+        code = gw_model_import(model, &bench->draw, &bench->console.log, error);
+    if (!code && o->kind->needs != NEEDS_OCTREE)
+        code = gw_model_open_device(model, &bench->draw, &bench->console.log, error);
     if (code)
         return code;
     const gw_gl_limits *limits = gw_gl_limits_of(model->device);
     gw_report_device(bench->report, limits);
     gw_report_settings(bench->report, &bench->draw.settings);
-    if (o->kind->scenes != ONE_SCENE)
-        return GW_OK;
-    gw_report_scene(bench->report, model->scene, model->import_ms);
-    gw_report_octree(bench->report, model->octree, model->scene, limits, model->build_ms, model->from_cache);
+    if (model->scene)
+        gw_report_scene(bench->report, model->scene, model->import_ms);
+    if (model->octree)
+        gw_report_octree(bench->report, model->octree, model->scene, limits, model->build_ms,
+                         model->from_cache);
     return GW_OK;
 }
 
@@ -181,13 +193,13 @@ int gw_verb_bench(int argc, char **argv) {
     gw_code code = gw_arguments_parse(&bench_argp, argc, argv, &o, &helped, &error);
     if (helped && !code)
         return GW_OK;
-    if (!code && o.kind && o.kind->scenes == NO_SCENE && bench->draw.scene)
+    if (!code && o.kind && o.kind->needs == NEEDS_NOTHING && bench->draw.scene)
         code =
             gw_fail(&error, GW_BAD_INPUT, "bench %s makes its own scenes: leave --scene out", o.kind->name);
     if (!code && !o.kind)
-        code =
-            gw_fail(&error, GW_BAD_INPUT,
-                    "say what to measure: gazewall bench build, peers, layouts, table2, growth or resident");
+        code = gw_fail(&error, GW_BAD_INPUT,
+                       "say what to measure: gazewall bench build, peers, layouts, table2, growth, resident "
+                       "or voxelise");
     if (!code)
         code = gw_file_writable(bench->draw.report, &error);
     if (!code && bench->out)

@@ -1,5 +1,6 @@
 #!/bin/bash
 # gazewall bench table2 on a small scene: rows, their arithmetic and their order. bench growth: work in proportion.
+# bench voxelise: differences add up.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/support/tap.sh
 
@@ -47,4 +48,10 @@ is "bytes add up" "$(awk -F, 'NR > 1 && NR < 6 { sum += $3 + $4 + $5 + $6 + $7 +
 is "beside another model" "$(json "$folder/both/resident.json" '["bench"]["models"][1]["picture"]')" \
     "$(json "$folder/one/resident.json" '["bench"]["models"][0]["picture"]')"
 is "which is another picture" "$(json "$folder/both/resident.json" '["bench"]["models"][0]["picture"] != d["bench"]["models"][1]["picture"]')" True
+
+expect "the rasterised voxeliser" 0 "rasteriser alone" bench voxelise --quick --scene "$folder/sheet.obj" \
+    --out "$folder/results"
+# depth refined rasterised fragments both other_depth thinner no_fragment margin beside
+is "its differences add up" "$(awk -F, 'NR == 2 && ($5 == 0 || $5 + $6 + $7 + $8 + $9 != $2 || $5 + $10 != $3)' \
+    "$folder/results/voxelise.csv")" ""
 finish

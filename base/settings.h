@@ -63,6 +63,8 @@
            "growth of the smallest resolvable period with eccentricity (m of MAR(e) = 1/48 + m e)")                    \
     GW_ROW(sample_block, CHOICE, 3, 0, 3, "1|2|4|8", FRAME, "px", "sharpness in the periphery against rays",            \
            "1 (a ray per pixel)", "largest square of pixels that shares one ray where the viewer cannot tell")          \
+    GW_ROW(samples, CHOICE, 0, 0, 4, "1|2|4|8|16", FRAME, "rays", "jagged and shimmering edges against rays", "16",  \
+           "rays of a pixel where the viewer sees it sharp, at fixed places in it")                                    \
     GW_ROW(level_blend, SWITCH, 1, 0, 1, "", FRAME, "", "visible level steps against cost", "on",                      \
            "blend a voxel with its children where the footprint lies between two levels")                              \
     GW_ROW(leaf_blend, SWITCH, 1, 0, 1, "", FRAME, "", "visible triangle-to-voxel steps against cost", "on",           \

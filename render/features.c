@@ -16,7 +16,7 @@ const gw_feature_row gw_feature_rows[] = {
     {GW_FEATURE_GAZE, "gaze", "GAZE", "no gaze is known, or nothing in the frame depends on it"},
     {GW_FEATURE_WIDE_NODES, "wide-nodes", "WIDE_NODES", "the octree has at most 2^24 nodes"},
     {GW_FEATURE_SPARSE, "sparse-samples", "SPARSE",
-     "no gaze is known, or sample_block is 1: a ray per pixel"},
+     "samples is 1, and no gaze is known or sample_block is 1: a ray per pixel"},
     {GW_FEATURE_DENSE_LEAVES, "dense-leaves", "DENSE_LEAVES", "no leaf has more than dense_leaf triangles"},
 };
 const size_t gw_feature_count = sizeof gw_feature_rows / sizeof gw_feature_rows[0];
@@ -72,7 +72,7 @@ uint32_t gw_features_of_frame(const gw_frame_state *state, uint32_t viewers, uin
         (bits & GW_FEATURE_LOD) || (scene_features & GW_FEATURE_TEXTURES) || state->debug == GW_DEBUG_GAZE;
     if (viewers > 0 && depends)
         bits |= GW_FEATURE_GAZE;
-    if (viewers > 0 && state->sample_block > 0)
+    if ((viewers > 0 && state->sample_block > 0) || state->samples > 0)
         bits |= GW_FEATURE_SPARSE;
     return bits;
 }

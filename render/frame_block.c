@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-_Static_assert(sizeof(gw_frame_block) == 16 * (15 + 4 * GW_MAXIMUM_VIEWERS), "std140 rows without holes");
+_Static_assert(sizeof(gw_frame_block) == 16 * (23 + 4 * GW_MAXIMUM_VIEWERS), "std140 rows without holes");
 
 /* Smallest resolvable period at the centre of gaze, degrees (60 cycles per degree would be 1/60; 1/48 is the
  * value of Guenter et al., Foveated 3D Graphics, 2012). */
@@ -93,6 +93,40 @@ static gw_code check(const gw_plane *plane, const gw_frame_state *state, gw_erro
     return GW_OK;
 }
 
+/* Places of 2, 4, 8 and 16 rays in a pixel, 1/16 px from its centre: the standard patterns of Direct3D 11, in
+ * which no two rays share a row or a column. */
+static const int8_t places_of_samples[][16][2] = {
+    {{0, 0}},
+    {{4, 4}, {-4, -4}},
+    {{-2, -6}, {6, -2}, {-6, 2}, {2, 6}},
+    {{1, -3}, {-1, 3}, {5, 1}, {-3, -5}, {-5, 5}, {-7, -1}, {3, 7}, {7, -7}},
+    {{1, 1},
+     {-1, -3},
+     {-3, 2},
+     {4, -1},
+     {-5, -2},
+     {2, 5},
+     {5, 3},
+     {3, -5},
+     {-2, 6},
+     {0, -7},
+     {-4, -6},
+     {-6, 4},
+     {-8, 0},
+     {7, -4},
+     {6, 7},
+     {-7, -8}}};
+
+static void fill_samples(const gw_frame_state *state, gw_frame_block *block) {
+    uint32_t log2_samples = state->samples < 4 ? state->samples : 4, samples = 1u << log2_samples;
+    for (uint32_t i = 0; i < samples; ++i)
+        for (uint32_t axis = 0; axis < 2; ++axis)
+            block->sample_places[i / 2][i % 2 * 2 + axis] =
+                (float)places_of_samples[log2_samples][i][axis] / 16.0f;
+    block->counts[3] = samples;
+    block->corner[3] = (float)sqrt(1.0 / samples);
+}
+
 static void fill_scene(const gw_scene *scene, const gw_octree *octree, gw_frame_block *block) {
     for (int i = 0; i < 3; ++i) {
         block->background[i] = scene->background[i];
@@ -142,6 +176,7 @@ gw_code gw_frame_block_fill(const gw_scene *scene, const gw_octree *octree, cons
     block->ambient[3] = state->fold_agreement;
     block->background[3] = state->least_remainder;
     block->acuity[1] = (float)smallest_period;
+    fill_samples(state, block);
     uint32_t gazes = state->gaze_count < GW_MAXIMUM_VIEWERS ? state->gaze_count : GW_MAXIMUM_VIEWERS;
     uint32_t kept = 0;
     for (uint32_t i = 0; i < gazes; ++i)

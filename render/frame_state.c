@@ -19,5 +19,6 @@ void gw_frame_state_apply(gw_frame_state *state, const gw_settings *settings) {
     state->leaf_blend = (uint8_t)settings->leaf_blend;
     state->texture_filter = (uint8_t)settings->texture_filter;
     state->sample_block = (uint8_t)settings->sample_block;
+    state->samples = (uint8_t)settings->samples;
     state->triangle_precision = (uint8_t)settings->triangle_precision;
 }

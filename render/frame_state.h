@@ -31,7 +31,7 @@ typedef struct gw_frame_state {
     uint8_t geometry, level_blend, leaf_blend, texture_filter, triangle_precision;
     uint8_t debug;        /* gw_debug_view */
     uint8_t sample_block; /* log2 of the side of the largest sample block, 0..3 */
-    uint8_t reserved[1];
+    uint8_t samples;      /* log2 of the rays of a sharp pixel, 0..4 */
     uint32_t seed;
 } gw_frame_state;
 _Static_assert(sizeof(gw_frame_state) < 512, "the frame state travels in one small message");

@@ -143,7 +143,8 @@ static gw_code list_samples(frame_job *job, size_t block_count, gw_error *error)
     gw_code code = gw_sparse_list(sparse, &job->block, chunk[0] / GW_BLOCK_SIDE, chunk[1] / GW_BLOCK_SIDE,
                                   chunk[2], (int32_t)block_count / chunk[2], job->sample_block, error);
     job->key.features &= ~(uint32_t)GW_FEATURE_SPARSE;
-    if (code || (sparse->coarse_blocks == 0 && !(renderer->forced_features & GW_FEATURE_SPARSE)))
+    if (code || (sparse->coarse_blocks == 0 && job->block.counts[3] == 1 &&
+                 !(renderer->forced_features & GW_FEATURE_SPARSE)))
         return code;
     job->key.features |= GW_FEATURE_SPARSE;
     code = refill(renderer, &renderer->samples, "samples", sparse->samples, sparse->sample_count,
@@ -228,11 +229,13 @@ static gw_code render_chunks(frame_job *job, gw_error *error) {
     int64_t limit = (int64_t)(gw_renderer_chunk_slots(job->renderer) / GW_BLOCK_PIXELS);
     int64_t most_columns = limit;
     if (job->may_be_sparse) {
-        limit *= GW_SPARSE_CHUNK;
-        most_columns = GW_SPARSE_COLUMNS;
+        limit = limit * GW_SPARSE_CHUNK / job->block.counts[3];
+        most_columns = limit < GW_SPARSE_SIDE ? limit : GW_SPARSE_SIDE;
     }
     int64_t columns = end_x - first_x < most_columns ? end_x - first_x : most_columns;
     int64_t rows = limit / columns;
+    if (job->may_be_sparse && rows > GW_SPARSE_SIDE)
+        rows = GW_SPARSE_SIDE;
     gw_code code = GW_OK;
     for (int64_t y = first_y; y < end_y && !code; y += rows)
         for (int64_t x = first_x; x < end_x && !code; x += columns) {

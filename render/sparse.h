@@ -1,7 +1,8 @@
-/* Sparse samples: outside the gaze one ray serves a square of 2, 4 or 8 pixels a side where every viewer's
- * eye resolves no more. The rate of a block of 8 x 8 pixels is a function of the plane, the wall-global block
- * and the frame state only; a rim of one block round what is drawn is sampled too, so that blending needs
- * nothing of a neighbouring tile. Plain host code; belongs to the renderer that calls it. */
+/* Samples: outside the gaze one ray serves a square of 2, 4 or 8 pixels a side where every viewer's eye
+ * resolves no more; where a pixel counts by itself it may have several rays (`samples`). The rate of a block
+ * of 8 x 8 pixels is a function of the plane, the wall-global block and the frame state only; a rim of one
+ * block round what is drawn is sampled too, so that blending needs nothing of a neighbouring tile. Plain host
+ * code; belongs to the renderer that calls it. */
 #ifndef GW_RENDER_SPARSE_H
 #define GW_RENDER_SPARSE_H
 
@@ -30,9 +31,9 @@ void gw_sparse_finish(gw_sparse *sparse);
  * width. */
 uint32_t gw_sparse_rate(const gw_frame_block *block, int32_t x, int32_t y, uint32_t most);
 
-/* Lists the samples of columns x rows blocks from block coordinates (x, y), and of the rim. columns <=
- * GW_SPARSE_COLUMNS. */
-enum { GW_SPARSE_COLUMNS = 1024 };
+/* Lists the samples of columns x rows blocks from block coordinates (x, y), and of the rim. Both are at most
+ * GW_SPARSE_SIDE: a sample's word has room for so many. */
+enum { GW_SPARSE_SIDE = 1022 };
 gw_code gw_sparse_list(gw_sparse *sparse, const gw_frame_block *block, int32_t x, int32_t y, int32_t columns,
                        int32_t rows, uint32_t most, gw_error *error);
 

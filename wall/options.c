@@ -203,6 +203,7 @@ enum {
     KEY_SCENE = 0x1000,
     KEY_SET,
     KEY_TAU,
+    KEY_SAMPLES,
     KEY_SEED,
     KEY_TIME,
     KEY_ANIMATION,
@@ -248,6 +249,10 @@ static const struct argp_option frame_options[] = {
      "contents "
      "(0: exact triangles everywhere); the same as --set tau=",
      10},
+    {"samples", KEY_SAMPLES, "N", 0,
+     "1, 2, 4, 8 or 16, default 1: rays of a pixel where the viewer sees it sharp; the same as --set "
+     "samples=",
+     10},
     {"seed", KEY_SEED, "N", 0, "0 to 4294967295, default 0: of every random number", 10},
     {"time", KEY_TIME, "SECONDS", 0,
      "0 to 1e6, default 0: where on the track's and the animation's clock the first frame stands", 10},
@@ -270,11 +275,12 @@ static gw_code set_debug(gw_draw_options *options, const char *word) {
                    near ? " (did you mean '" : "", near ? near : "", near ? "'?)" : "");
 }
 
-static gw_code set_tau(gw_draw_options *options, const char *text) {
+/* An option that is a setting's other name. */
+static gw_code set_by_name(gw_draw_options *options, const char *name, const char *text) {
     char assignment[64];
-    snprintf(assignment, sizeof assignment, "tau=%s", text);
+    snprintf(assignment, sizeof assignment, "%s=%s", name, text);
     gw_code code = gw_settings_assign(&options->settings, assignment, options->error);
-    return code ? gw_context(options->error, "--tau") : GW_OK;
+    return code ? gw_context(options->error, "--%s", name) : GW_OK;
 }
 
 static error_t parse_draw(int key, char *argument, struct argp_state *state) {
@@ -295,7 +301,10 @@ static error_t parse_draw(int key, char *argument, struct argp_state *state) {
             gw_context(error, "--set");
         break;
     case KEY_TAU:
-        code = set_tau(options, argument);
+        code = set_by_name(options, "tau", argument);
+        break;
+    case KEY_SAMPLES:
+        code = set_by_name(options, "samples", argument);
         break;
     case KEY_SEED:
         code = gw_parse_integer("--seed", argument, 0, UINT32_MAX, &integer, error);

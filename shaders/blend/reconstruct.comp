@@ -1,6 +1,6 @@
-// Pixels from sparse samples: each pixel blends the four samples round it on the grid of its own block's rate. Where a
+// Pixels from samples: each pixel of a coarse block blends the four samples round it on the grid of its own block's rate. Where a
 // neighbouring block has another rate, the sample that holds the grid point stands in, so that rates meet without a seam.
-// A pixel of its own keeps its sample. Everything stands at wall-global places: no picture depends on its tile.
+// A pixel of its own keeps its sample, or the mean of its rays. Everything stands at wall-global places: no picture depends on its tile.
 #include "common/frame_block.glsl"
 #include "common/color.glsl"
 layout(local_size_x = 64) in;
@@ -22,10 +22,17 @@ uint block_of(ivec2 pixel) {
     return blocks[block.y * (frame.chunk.z + 2) + block.x];
 }
 
+// The sample, or the mean of the rays of a pixel.
 vec3 sample_at(ivec2 pixel) {
     uint block = block_of(pixel);
-    uvec2 inside = uvec2(pixel & 7) >> GW_BLOCK_RATE(block);
-    return sums[GW_BLOCK_FIRST(block) + morton(inside)].rgb;
+    uint rate = GW_BLOCK_RATE(block);
+    uint rays = rate == 0u ? frame.counts.w : 1u;
+    uint first = GW_BLOCK_FIRST(block) + morton(uvec2(pixel & 7) >> rate) * rays;
+    precise vec3 sum = sums[first].rgb;
+    for (uint i = 1u; i < rays; ++i)
+        sum += sums[first + i].rgb;
+    precise vec3 mean = sum * (1.0 / float(rays));
+    return mean;
 }
 
 void main() {

@@ -25,7 +25,7 @@ GW_STRUCT_END(gw_viewer)
 // Ray units: directions are (pixel - eye) in rebased space times a power of two that brings the plane near distance 1.
 GW_STRUCT_BEGIN(gw_frame_block)
 GW_VEC4(eye);        // rebased; w: metres of scene per rebased unit
-GW_VEC4(corner);     // plane's corner minus eye, ray units
+GW_VEC4(corner);     // plane's corner minus eye, ray units; w: width of a sample in pixels where a pixel has several
 GW_VEC4(step_x);     // ray units per pixel
 GW_VEC4(step_y);
 GW_VEC4(accuracy);   // tau, tau_inside, gaze_blend deg, gaze_margin deg
@@ -34,8 +34,9 @@ GW_VEC4(background); // linear radiance; w: least_remainder
 GW_VEC4(ambient);    // linear irradiance; w: fold_agreement
 GW_IVEC4(window);    // rectangle: x and y of its first pixel, x and y past its last
 GW_IVEC4(chunk);     // first block's x and y (pixels, multiples of 8), blocks per row, number of blocks
-GW_UVEC4(counts);    // viewers, directional lights, point lights, 0
+GW_UVEC4(counts);    // viewers, directional lights, point lights, rays of a sharp pixel
 GW_UVEC4(level_begin[4]); // first node of each octree level, 16 entries; unused ones are 0xffffffff
+GW_VEC4(sample_places[8]); // of up to 16 rays in their pixel, from its centre, px: xy of an even one, zw of an odd one
 gw_viewer viewers[GW_MAXIMUM_VIEWERS];
 GW_STRUCT_END(gw_frame_block)
 
@@ -65,9 +66,9 @@ GW_STRUCT_END(gw_gpu_light)
 // First word of a triangle's first fourth component, in the renderer's copy.
 #define GW_TRIANGLE_ALPHA 1u // its material masks or blends: what it covers is decided where it is hit
 
-// Sparse samples (render/sparse.h). A sample: pixel relative to the rim of the chunk, x in bits 0-13, y in 14-27; log2 of its side in
-// bits 28-29. A block of 8 x 8 pixels: slot of its first sample in bits 0-29, log2 of their side in bits 30-31; a block's
-// samples stand in Morton order.
+// Sparse samples (render/sparse.h). A sample: pixel relative to the rim of the chunk, x in bits 0-12, y in 13-25; log2 of its
+// side in bits 26-27; which of its pixel's rays it is in bits 28-31. A block of 8 x 8 pixels: slot of its first sample in bits
+// 0-29, log2 of their side in bits 30-31; a block's samples stand in Morton order, the rays of one pixel together.
 #define GW_NO_SAMPLE 0xffffffffu
 #define GW_BLOCK_FIRST(word) ((word) & 0x3fffffffu)
 #define GW_BLOCK_RATE(word) ((word) >> 30)

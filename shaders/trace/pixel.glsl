@@ -1,6 +1,7 @@
 // Primary rays. A ray is a function of the plane and the wall-global pixel only: the same bits in whatever rectangle and
 // dispatch it is traced. Blocks of 8 x 8 pixels stand at wall-global multiples of 8; lanes run in Morton order.
-// With SPARSE a ray may stand for a square of 2, 4 or 8 pixels a side (render/sparse.h), listed by the host.
+// With SPARSE a ray may stand for a square of 2, 4 or 8 pixels a side, or for a part of a pixel (render/sparse.h), as the host
+// lists it.
 #include "common/small_math.glsl"
 #ifdef GAZE
 #include "trace/gaze.glsl"
@@ -11,6 +12,9 @@ struct Pixel_square {
     ivec2 first; // wall-global
     int side;
     bool present; // false: padding at a list's end, or outside the rectangle
+#ifdef SPARSE
+    vec2 place; // of the ray in a pixel that has several, from its centre, px
+#endif
 };
 
 struct Pixel_ray {
@@ -38,8 +42,12 @@ bool in_window(ivec2 pixel) {
 Pixel_square square_of_slot(uint slot) {
 #ifdef SPARSE
     uint word = samples[slot];
-    return Pixel_square(frame.chunk.xy - 8 + ivec2(word & 0x3fffu, (word >> 14) & 0x3fffu), 1 << ((word >> 28) & 3u),
-                        word != GW_NO_SAMPLE);
+    uint side_bits = (word >> 26) & 3u;
+    uint which = side_bits == 0u ? word >> 28 : 0u;
+    vec4 places = frame.sample_places[which >> 1];
+    return Pixel_square(frame.chunk.xy - 8 + ivec2(word & 0x1fffu, (word >> 13) & 0x1fffu), 1 << side_bits,
+                        word != GW_NO_SAMPLE,
+                        side_bits != 0u ? vec2(0.0) : (which & 1u) == 0u ? places.xy : places.zw);
 #else
     ivec2 pixel = pixel_of_slot(slot);
     return Pixel_square(pixel, 1, in_window(pixel));
@@ -56,13 +64,18 @@ float width_across(vec3 pixel_step, vec3 direction, float inverse_squared) {
 Pixel_ray ray_of_square(Pixel_square square) {
     Pixel_ray ray;
     precise vec2 centre = vec2(square.first) + 0.5 * float(square.side);
+    float side = float(square.side);
+#ifdef SPARSE
+    centre += square.place;
+    side = square.side == 1 ? frame.corner.w : side;
+#endif
     precise vec3 direction = frame.corner.xyz + frame.step_x.xyz * centre.x + frame.step_y.xyz * centre.y;
     ray.direction = direction;
     precise float inverse_squared =
         1.0 / max(direction.x * direction.x + direction.y * direction.y + direction.z * direction.z, 1e-30);
     ray.width = max(width_across(frame.step_x.xyz, direction, inverse_squared),
                     width_across(frame.step_y.xyz, direction, inverse_squared));
-    ray.width *= float(square.side);
+    ray.width *= side;
     ray.tau = frame.accuracy.y;
 #ifdef GAZE
     if (frame.counts.x > 0u) {

@@ -7,6 +7,8 @@
 #include "render/sparse.h"
 #include "tests/support/renders.h"
 
+#include <math.h>
+
 enum { SIDE = 120, PIXELS = SIDE * SIDE };
 
 static gw_stage stage;
@@ -84,7 +86,21 @@ static void every_viewer_counts(void **state) {
         }
 }
 
-/* Every pixel of chunk and rim lies in exactly one sample's square, and blocks point at their own samples. */
+static uint32_t rate_at(const gw_sparse *sparse, int columns, int i, int j) {
+    return GW_BLOCK_RATE(sparse->blocks[j * (columns + 2) + i]);
+}
+
+/* Some block of the chunk beside block (i, j) of the rim is coarse, so its pixels reach over the border. */
+static int has_coarse_neighbour(const gw_sparse *sparse, int columns, int rows, int i, int j) {
+    for (int v = j - 1; v <= j + 1; ++v)
+        for (int u = i - 1; u <= i + 1; ++u)
+            if (u >= 1 && v >= 1 && u <= columns && v <= rows && rate_at(sparse, columns, u, v) > 0)
+                return 1;
+    return 0;
+}
+
+/* Every pixel of the chunk lies in exactly one sample's square, as do those of the rim that are read; blocks
+ * point at their own samples. */
 static void lists_cover_every_pixel_once(void **state) {
     enum { COLUMNS = 9, ROWS = 7, WIDE = (COLUMNS + 2) * 8, HIGH = (ROWS + 2) * 8 };
     static uint8_t covered[HIGH][WIDE];
@@ -95,39 +111,46 @@ static void lists_cover_every_pixel_once(void **state) {
     assert_int_equal(sparse.block_count, (COLUMNS + 2) * (ROWS + 2));
     assert_int_equal(sparse.sample_count % 64, 0);
     for (size_t i = 0; i < sparse.sample_count; ++i) {
-        uint32_t word = sparse.samples[i], side = 1u << (word >> 28 & 3u);
+        uint32_t word = sparse.samples[i], side = 1u << (word >> 26 & 3u);
         if (word == GW_NO_SAMPLE) {
             assert_true(i >= sparse.real_samples);
             continue;
         }
         for (uint32_t y = 0; y < side; ++y)
             for (uint32_t x = 0; x < side; ++x)
-                covered[(word >> 14 & 0x3fffu) + y][(word & 0x3fffu) + x]++;
+                covered[(word >> 13 & 0x1fffu) + y][(word & 0x1fffu) + x]++;
     }
-    for (int y = 0; y < HIGH; ++y)
-        for (int x = 0; x < WIDE; ++x)
-            assert_int_equal(covered[y][x], 1);
+    size_t read = 0;
     for (size_t b = 0; b < sparse.block_count; ++b) {
+        int i = (int)(b % (COLUMNS + 2)), j = (int)(b / (COLUMNS + 2));
+        int inside = i >= 1 && j >= 1 && i <= COLUMNS && j <= ROWS;
+        int wanted = inside || has_coarse_neighbour(&sparse, COLUMNS, ROWS, i, j);
+        for (int y = 0; y < 8; ++y)
+            for (int x = 0; x < 8; ++x)
+                assert_int_equal(covered[j * 8 + y][i * 8 + x], wanted);
+        read += (size_t)wanted;
+        if (!wanted)
+            continue;
         uint32_t word = sparse.samples[GW_BLOCK_FIRST(sparse.blocks[b])];
-        assert_int_equal((word & 0x3fffu) / 8, b % (COLUMNS + 2));
-        assert_int_equal((word >> 14 & 0x3fffu) / 8, b / (COLUMNS + 2));
-        assert_int_equal(word >> 28 & 3u, GW_BLOCK_RATE(sparse.blocks[b]));
+        assert_int_equal((word & 0x1fffu) / 8, b % (COLUMNS + 2));
+        assert_int_equal((word >> 13 & 0x1fffu) / 8, b / (COLUMNS + 2));
+        assert_int_equal(word >> 26 & 3u, GW_BLOCK_RATE(sparse.blocks[b]));
     }
+    assert_true(read > COLUMNS * ROWS && read < sparse.block_count);
     gw_sparse_finish(&sparse);
 }
 
 /* Whole and in uneven pieces: the same bits, rims and all. */
-static void splits_give_the_same_pixels(void **state) {
+static void check_splits(const gw_camera *from) {
     static const int cuts[] = {0, 1, 37, 64, 120};
-    uint8_t *whole = picture(&camera, renderer, NULL), *piece = calloc(PIXELS, 4);
-    (void)state;
+    uint8_t *whole = picture(from, renderer, NULL), *piece = calloc(PIXELS, 4);
     assert_non_null(piece);
     for (int j = 0; j < 4; ++j)
         for (int i = 0; i < 4; ++i) {
             gw_rectangle part = {cuts[i], cuts[j], (uint32_t)(cuts[i + 1] - cuts[i]),
                                  (uint32_t)(cuts[j + 1] - cuts[j])};
-            check_ok(gw_renderer_frame(renderer, &camera.placement, &camera.plane, &part, &camera.state,
-                                       piece, NULL, &error));
+            check_ok(gw_renderer_frame(renderer, &from->placement, &from->plane, &part, &from->state, piece,
+                                       NULL, &error));
             for (uint32_t y = 0; y < part.height; ++y)
                 assert_memory_equal(piece + (size_t)y * part.width * 4,
                                     whole + ((size_t)(cuts[j] + (int)y) * SIDE + (size_t)cuts[i]) * 4,
@@ -135,6 +158,121 @@ static void splits_give_the_same_pixels(void **state) {
         }
     free(piece);
     free(whole);
+}
+
+static void splits_give_the_same_pixels(void **state) {
+    gw_camera several = camera;
+    (void)state;
+    check_splits(&camera);
+    several.state.samples = 2;
+    check_splits(&several);
+}
+
+/* Of linear light, so that errors are of what the rays saw. */
+static double linear_of(uint8_t code) {
+    double v = code / 255.0;
+    return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
+}
+
+/* The same view with four times the pixels, 16 rays each: the mean of 64 rays for each pixel of `from`. */
+static double *reference_of(const gw_camera *from) {
+    gw_camera fine = *from;
+    const gw_rectangle all = {0, 0, 2 * SIDE, 2 * SIDE};
+    uint8_t *rgba = calloc(4 * PIXELS, 4);
+    double *mean = calloc((size_t)PIXELS * 3, sizeof *mean);
+    assert_true(rgba && mean);
+    for (int i = 0; i < 3; ++i) {
+        fine.plane.step_x[i] /= 2;
+        fine.plane.step_y[i] /= 2;
+    }
+    fine.state.samples = 4;
+    check_ok(
+        gw_renderer_frame(renderer, &fine.placement, &fine.plane, &all, &fine.state, rgba, NULL, &error));
+    for (size_t y = 0; y < 2 * SIDE; ++y)
+        for (size_t x = 0; x < 2 * SIDE; ++x)
+            for (size_t c = 0; c < 3; ++c)
+                mean[(y / 2 * SIDE + x / 2) * 3 + c] += linear_of(rgba[(y * 2 * SIDE + x) * 4 + c]) / 4;
+    free(rgba);
+    return mean;
+}
+
+static double error_against(const double *reference, const uint8_t *rgba) {
+    double sum = 0;
+    for (size_t i = 0; i < PIXELS; ++i)
+        for (size_t c = 0; c < 3; ++c) {
+            double d = linear_of(rgba[i * 4 + c]) - reference[i * 3 + c];
+            sum += d * d;
+        }
+    return sqrt(sum / (3.0 * PIXELS));
+}
+
+/* Several rays a pixel come closer to 64 of them, the more the closer, and cost what they promise. */
+static void more_rays_come_closer(void **state) {
+    double errors[5];
+    gw_camera blind = camera;
+    (void)state;
+    blind.state.gaze_count = 0;
+    double *reference = reference_of(&blind);
+    for (uint8_t i = 0; i < 5; ++i) {
+        gw_counters counters = {0};
+        blind.state.samples = i;
+        uint8_t *rgba = picture(&blind, renderer, &counters);
+        errors[i] = error_against(reference, rgba);
+        assert_int_equal(counters.rays, (uint64_t)PIXELS << i);
+        assert_int_equal(counters.step_cap_hits + counters.nan_pixels, 0);
+        free(rgba);
+    }
+    print_message("# error of 1, 2, 4, 8, 16 rays a pixel: %.4f %.4f %.4f %.4f %.4f\n", errors[0], errors[1],
+                  errors[2], errors[3], errors[4]);
+    for (int i = 1; i < 5; ++i)
+        assert_true(errors[i] < 0.9 * errors[i - 1]);
+    free(reference);
+}
+
+/* Outside the gaze a ray serves many pixels, whatever a sharp pixel has: blocks that touch no sharp one keep
+ * their bits. */
+static void coarse_blocks_stay_as_they_are(void **state) {
+    gw_camera several = camera;
+    gw_counters one = {0}, many = {0};
+    size_t kept = 0;
+    (void)state;
+    several.state.samples = 3;
+    uint8_t *plain = picture(&camera, renderer, &one), *finer = picture(&several, renderer, &many);
+    gw_frame_block block = block_of(&camera);
+    for (int y = 0; y < SIDE; ++y)
+        for (int x = 0; x < SIDE; ++x) {
+            int sharp_near = 0;
+            for (int j = -1; j <= 1; ++j)
+                for (int i = -1; i <= 1; ++i)
+                    sharp_near |= gw_sparse_rate(&block, x / 8 + i, y / 8 + j, 3) == 0;
+            size_t at = ((size_t)y * SIDE + (size_t)x) * 4;
+            if (sharp_near)
+                continue;
+            assert_memory_equal(plain + at, finer + at, 4);
+            kept++;
+        }
+    assert_true(kept > PIXELS / 2);
+    assert_true(many.rays > 2 * one.rays && many.rays < 8 * one.rays);
+    free(plain);
+    free(finer);
+}
+
+/* A tile of one block's width and more rows than a sample's word could count. */
+static void a_tall_tile_is_drawn_in_pieces(void **state) {
+    enum { TALL = 9000, FROM = 8400 };
+    const gw_rectangle all = {0, 0, 8, TALL}, end = {0, FROM, 8, TALL - FROM};
+    uint8_t *whole = calloc(8 * TALL, 4), *piece = calloc(8 * (TALL - FROM), 4);
+    gw_camera tall = camera;
+    (void)state;
+    assert_true(whole && piece);
+    tall.state.samples = 1;
+    check_ok(
+        gw_renderer_frame(renderer, &tall.placement, &tall.plane, &all, &tall.state, whole, NULL, &error));
+    check_ok(
+        gw_renderer_frame(renderer, &tall.placement, &tall.plane, &end, &tall.state, piece, NULL, &error));
+    assert_memory_equal(whole + (size_t)8 * FROM * 4, piece, (size_t)8 * (TALL - FROM) * 4);
+    free(whole);
+    free(piece);
 }
 
 /* Where a block has a ray per pixel, sparse and full pictures agree to the bit; elsewhere they differ little
@@ -187,6 +325,9 @@ int main(void) {
         cmocka_unit_test(every_viewer_counts),
         cmocka_unit_test(lists_cover_every_pixel_once),
         cmocka_unit_test(splits_give_the_same_pixels),
+        cmocka_unit_test(more_rays_come_closer),
+        cmocka_unit_test(coarse_blocks_stay_as_they_are),
+        cmocka_unit_test(a_tall_tile_is_drawn_in_pieces),
         cmocka_unit_test(sharp_blocks_are_those_of_the_full_picture),
         cmocka_unit_test(forced_without_need_changes_nothing),
     };

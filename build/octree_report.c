@@ -20,10 +20,9 @@ void gw_list_class_range(uint32_t list_class, uint32_t range[2]) {
 }
 
 static uint32_t list_length(const gw_octree *octree, gw_node node) {
+    const uint32_t first = gw_octree_first_reference(octree, &node);
     uint32_t length = 1;
-    if (GW_NODE_KIND(node.bits) == GW_LEAF_SINGLE)
-        return length;
-    while (!(octree->references[node.link + length - 1] & GW_REFERENCE_LAST))
+    while (first > 0 && !(octree->references[first + length - 1] & GW_REFERENCE_LAST))
         length++;
     return length;
 }

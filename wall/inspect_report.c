@@ -25,14 +25,15 @@ static void measure_memory(const gw_model *model, const gw_renderer *renderer, g
     const gw_octree *octree = model->octree;
     m->nodes = gw_octree_node_bytes(octree);
     m->references = gw_octree_reference_bytes(octree);
+    m->boxes = gw_octree_box_bytes(octree);
     m->payload = gw_octree_payload_bytes(octree) + gw_octree_emission_bytes(octree);
     m->triangles = gw_triangle_bytes(model->scene);
-    m->others = gw_renderer_bytes(renderer) - m->nodes - m->references - m->payload - m->triangles;
+    m->host_octree = m->nodes + m->references + m->boxes + m->payload;
+    m->others = gw_renderer_bytes(renderer) - m->host_octree - m->triangles;
     gw_renderer_ray_memory(renderer, &m->ray, &m->rays_at_once);
     m->build_peak = model->build_peak;
     m->host_scene = scene_bytes(model->scene);
     m->host_textures = texture_bytes(model->scene);
-    m->host_octree = m->nodes + m->references + m->payload;
 }
 
 gw_code gw_inspect_report_make(const gw_model *model, const gw_renderer *renderer, gw_inspect_report *out,
@@ -83,12 +84,13 @@ static json_t *lists_json(const gw_octree_report *r) {
 }
 
 static json_t *memory_json(const gw_memory_report *m) {
-    return json_pack(
-        "{s:{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}, s:{s:o, s:o, s:o}}", "gpu", "nodes", count(m->nodes),
-        "references", count(m->references), "payload", count(m->payload), "triangles", count(m->triangles),
-        "others", count(m->others), "ray", count(m->ray), "rays_at_once", count(m->rays_at_once),
-        "build_peak", m->build_peak ? count(m->build_peak) : json_null(), "host", "scene",
-        count(m->host_scene), "textures", count(m->host_textures), "octree", count(m->host_octree));
+    return json_pack("{s:{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}, s:{s:o, s:o, s:o}}", "gpu", "nodes",
+                     count(m->nodes), "references", count(m->references), "boxes", count(m->boxes), "payload",
+                     count(m->payload), "triangles", count(m->triangles), "others", count(m->others), "ray",
+                     count(m->ray), "rays_at_once", count(m->rays_at_once), "build_peak",
+                     m->build_peak ? count(m->build_peak) : json_null(), "host", "scene",
+                     count(m->host_scene), "textures", count(m->host_textures), "octree",
+                     count(m->host_octree));
 }
 
 void gw_inspect_report_json(const gw_inspect_report *inspected, const gw_model *model, json_t *report) {
@@ -99,10 +101,10 @@ void gw_inspect_report_json(const gw_inspect_report *inspected, const gw_model *
     json_object_set_new(octree, "levels", levels_json(&inspected->octree));
     json_object_set_new(octree, "lists", lists_json(&inspected->octree));
     json_object_set_new(octree, "bytes_per_triangle",
-                        json_pack("{s:f, s:f, s:f, s:f}", "nodes", (double)m->nodes / triangles, "references",
-                                  (double)m->references / triangles, "payload",
-                                  (double)m->payload / triangles, "triangles",
-                                  (double)m->triangles / triangles));
+                        json_pack("{s:f, s:f, s:f, s:f, s:f}", "nodes", (double)m->nodes / triangles,
+                                  "references", (double)m->references / triangles, "boxes",
+                                  (double)m->boxes / triangles, "payload", (double)m->payload / triangles,
+                                  "triangles", (double)m->triangles / triangles));
     json_object_set_new(report, "memory", memory_json(m));
 }
 
@@ -152,12 +154,15 @@ void gw_inspect_print_memory(const gw_inspect_report *inspected, const gw_scene 
         uint64_t bytes;
     } parts[] = {{"nodes", m->nodes},
                  {"references", m->references},
+                 {"boxes over long lists", m->boxes},
                  {"payload", m->payload},
                  {"triangles and vertices", m->triangles},
                  {"textures, materials, lights", m->others}};
     uint64_t total = 0;
     printf("memory on the GPU\n");
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+        if (parts[i].bytes == 0)
+            continue;
         printf("    %10.2f MiB %8.1f bytes a triangle  %s\n", (double)parts[i].bytes / mebibyte,
                (double)parts[i].bytes / scene->triangle_count, parts[i].what);
         total += parts[i].bytes;

@@ -171,7 +171,6 @@ static void print_scene(const gw_scene *s) {
 
 static void print_octree(const gw_octree *t, const gw_scene *scene, double build_ms) {
     const gw_octree_statistics *s = &t->statistics;
-    const double mib = 1048576.0;
     printf("octree             depth %" PRIu32 " (deepest node %" PRIu32 "), built in %.0f ms\n", t->depth,
            s->deepest, build_ms);
     printf("    phases         refinement %.0f, leaf payload %.0f, inner payload %.0f, assembly %.0f ms; "
@@ -191,14 +190,6 @@ static void print_octree(const gw_octree *t, const gw_scene *scene, double build
     printf("    references     %" PRIu32 ", %.2f a triangle; %" PRIu64 " pairs, %" PRIu64 " overlap tests\n",
            t->reference_count, (double)t->reference_count / scene->triangle_count, s->pairs,
            s->overlap_tests);
-    printf("    memory         nodes %.2f, payload %.2f, references %.2f, boxes %.2f MiB; %.0f bytes a "
-           "triangle\n",
-           (double)gw_octree_node_bytes(t) / mib,
-           (double)(gw_octree_payload_bytes(t) + gw_octree_emission_bytes(t)) / mib,
-           (double)gw_octree_reference_bytes(t) / mib, (double)gw_octree_box_bytes(t) / mib,
-           (double)(gw_octree_node_bytes(t) + (gw_octree_payload_bytes(t) + gw_octree_emission_bytes(t)) +
-                    gw_octree_reference_bytes(t) + gw_octree_box_bytes(t)) /
-               scene->triangle_count);
     print_hash("    hash           ", t->hash);
 }
 

@@ -27,6 +27,10 @@ static gw_scene *sphere_scene(void) {
     gw_scene *scene = NULL;
     gw_mesh_add_sphere(&mesh, centre, 0.8, 0.2, 60, 30);
     gw_mesh_add_tetrahedron(&mesh, (const double[]){3, 2, 3}, 0.02);
+    for (int i = 0; i < 200; i++) /* a dense place: a leaf with boxes */
+        gw_mesh_triangle(&mesh, gw_mesh_point(&mesh, 0, 2, 3), gw_mesh_point(&mesh, 0.001, 2, 3),
+                         gw_mesh_point(&mesh, 0, 2.001, 3 + i * 1e-5));
+
     check_ok(gw_mesh_scene(&mesh, &scene, &error));
     gw_mesh_finish(&mesh);
     return scene;
@@ -48,7 +52,10 @@ static void sums_agree_with_the_octree(void **state) {
     gw_octree_report r;
     uint64_t inner = 0, leaves = 0, triangles = 0, in_lists = 0;
     (void)state;
+
+    assert_true(octree->statistics.dense_leaves > 0);
     gw_octree_report_make(octree, &r);
+
     for (uint32_t l = 0; l < r.level_count; l++) {
         inner += r.levels[l].inner;
         leaves += r.levels[l].leaves;

@@ -28,6 +28,9 @@ typedef enum gw_feature {
     GW_FEATURE_DENSE_LEAVES = 1 << 11 /* lists under boxes */
 } gw_feature;
 
+/* What frames decide, not the scene. */
+enum { GW_FRAME_FEATURES = GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_SPARSE };
+
 typedef struct gw_feature_row {
     uint32_t bit;
     const char *name;   /* in reports and messages */

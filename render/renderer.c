@@ -190,8 +190,10 @@ gw_code gw_renderer_kernel(gw_renderer *renderer, const char *name, const gw_ker
     return code;
 }
 
-static json_t *skipped_feature(const gw_feature_row *row) {
-    return json_pack("{s:s, s:s}", "name", row->name, "why", row->absent);
+static json_t *skipped_feature(const gw_renderer *renderer, const gw_feature_row *row) {
+    const int open = !renderer->has_drawn && (row->bit & GW_FRAME_FEATURES);
+    return json_pack("{s:s, s:s}", "name", row->name, "why",
+                     open ? "each frame decides; none was drawn" : row->absent);
 }
 
 gw_code gw_renderer_report(const gw_renderer *renderer, json_t *report, gw_error *error) {
@@ -205,7 +207,7 @@ gw_code gw_renderer_report(const gw_renderer *renderer, json_t *report, gw_error
         else if (renderer->forced_features & row->bit)
             failed = json_array_append_new(forced, json_string(row->name));
         else
-            failed = json_array_append_new(skipped, skipped_feature(row));
+            failed = json_array_append_new(skipped, skipped_feature(renderer, row));
     }
     json_t *effects = failed ? NULL
                              : json_pack("{s:O, s:O, s:O, s:[]}", "run", run, "skipped", skipped, "forced",

@@ -295,6 +295,7 @@ gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement,
     job.block.window[2] = rectangle->x + (int32_t)rectangle->width;
     job.block.window[3] = rectangle->y + (int32_t)rectangle->height;
     job.key = key_of(renderer, state, job.block.counts[0]);
+    renderer->has_drawn = 1;
     renderer->last_features = gw_features_of_frame(state, job.block.counts[0], renderer->scene_features);
     job.sample_block = state->sample_block < 3 ? state->sample_block : 3;
     job.may_be_sparse = (job.key.features & GW_FEATURE_SPARSE) != 0;

@@ -47,6 +47,7 @@ struct gw_renderer {
     uint32_t loop_budget;
     uint32_t scene_features, forced_features;
     uint32_t last_features; /* of the last frame, for the report */
+    int has_drawn;          /* there was one */
     gw_scene_buffers buffers;
     gw_ray_buffers rays;
     gw_gl_buffer totals, frame;

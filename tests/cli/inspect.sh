@@ -52,6 +52,9 @@ for axis in x y z; do
     is "a picture along $axis" "$(head -c 8 "$folder/bad/levels_$axis.png" | od -An -tx1)" " 89 50 4e 47 0d 0a 1a 0a"
 done
 
+has "what frames decide is left open" "$(json "$folder/bad.json" '["effects"]["skipped"]')" \
+    "'lod', 'why': 'each frame decides; none was drawn'"
+
 # --- the naive rule loses the model
 expect "without the rule the model collapses" 0 "collapsed by rounding" \
     inspect "$folder/bad.obj" --set outlier_extents=0 --report "$folder/naive.json"

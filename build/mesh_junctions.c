@@ -76,7 +76,7 @@ static gw_code sort_slabs(search *self, gw_error *error) {
     self->slab = (size_t)ceil(sqrt((double)self->count));
     gw_code code =
         gw_allocate((void **)&self->reach, self->slab, sizeof *self->reach, "boundary vertices", error);
-    if (code != GW_OK || self->count == 0)
+    if (code != GW_OK)
         return code;
     qsort_r(self->vertices, self->count, sizeof *self->vertices, compare_along, &across);
     for (size_t begin = 0; begin < self->count; begin += self->slab) {
@@ -159,6 +159,8 @@ gw_code gw_mesh_junctions(const float (*positions)[3], const uint64_t *edges, si
                           uint64_t *out, gw_error *error) {
     search self = {.positions = positions};
     *out = 0;
+    if (edge_count == 0)
+        return GW_OK;
     gw_code code = collect_vertices(&self, edges, edge_count, error);
     if (code == GW_OK)
         code = sort_slabs(&self, error);

@@ -54,4 +54,6 @@ expect "the rasterised voxeliser" 0 "rasteriser alone" bench voxelise --quick --
 # depth refined rasterised fragments both other_depth thinner no_fragment margin beside
 is "its differences add up" "$(awk -F, 'NR == 2 && ($5 == 0 || $5 + $6 + $7 + $8 + $9 != $2 || $5 + $10 != $3)' \
     "$folder/results/voxelise.csv")" ""
+is "the paper's loop keeps eight children of every inner node" "$(json "$folder/results/voxelise.json" \
+    '["bench"]["paper_loop"]["nodes"] == 1 + 8 * d["bench"]["paper_loop"]["inner"]')" True
 finish

@@ -3,8 +3,8 @@
 #include "base/gl.h"
 #include "build/octree.h"
 #include "tests/support/check.h"
-#include "tests/support/meshes.h"
 #include "wall/rock.h"
+#include "wall/splat_build.h"
 #include "wall/voxel_pairs.h"
 #include "wall/voxelise.h"
 
@@ -108,6 +108,75 @@ static void a_triangle_that_does_not_fit_is_an_error(void **state) {
     check_fails(gw_voxelise(device, rock, 2048, 1, 0, &voxelised, &error), GW_BAD_INPUT, "1024");
 }
 
+static int by_value(const void *a, const void *b) {
+    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* What the paper's loop must come to, level by level from the pairs alone: a cell of more than two triangles
+ * is inner, at the finest level it has a list. */
+static gw_splat_counts expected_counts(const gw_pairs *pairs) {
+    gw_splat_counts expected = {.nodes = 1};
+    uint64_t *keys = malloc(pairs->count * sizeof *keys), *inner = NULL;
+    size_t inner_count = 0;
+    assert_non_null(keys);
+    for (uint32_t level = 0; level <= DEPTH; level++) {
+        uint64_t *next_inner = malloc(pairs->count * sizeof *next_inner);
+        size_t next_count = 0;
+        assert_non_null(next_inner);
+        for (size_t i = 0; i < pairs->count; i++)
+            keys[i] = (pairs->keys[i] >> 32 >> 3 * (DEPTH - level)) << 32 | (uint32_t)pairs->keys[i];
+        qsort(keys, pairs->count, sizeof *keys, by_value);
+        for (size_t i = 0, end; i < pairs->count; i = end) {
+            uint64_t cell = keys[i] >> 32, parent = cell >> 3, triangles = 1;
+            for (end = i + 1; end < pairs->count && keys[end] >> 32 == cell; end++)
+                triangles += keys[end] != keys[end - 1];
+            if (level > 0 && !bsearch(&parent, inner, inner_count, sizeof parent, by_value))
+                continue;
+            if (triangles > 2 && level < DEPTH) {
+                next_inner[next_count++] = cell;
+                expected.nodes += 8;
+                expected.inner++;
+            } else {
+                expected.leaves++;
+                expected.pair_entries += triangles == 2 ? 2 : 0;
+                expected.list_entries += triangles > 2 ? triangles : 0;
+            }
+        }
+        free(inner);
+        inner = next_inner;
+        inner_count = next_count;
+    }
+    expected.empty = expected.nodes - expected.inner - expected.leaves;
+    free(inner);
+    free(keys);
+    return expected;
+}
+
+static void the_papers_loop_builds_the_tree_of_its_fragments(void **state) {
+    (void)state;
+    gw_voxelised voxelised;
+    gw_pairs pairs;
+    gw_splat_counts counts;
+    check_ok(gw_voxelise(device, rock, RESOLUTION, 1, 0, &voxelised, &error));
+    check_ok(gw_pairs_of_fragments(&voxelised, &pairs, &error));
+    check_ok(gw_splat_build(device, &voxelised, DEPTH, rock->triangle_count, &counts, &error));
+    gw_splat_counts expected = expected_counts(&pairs);
+    assert_int_equal(counts.nodes, expected.nodes);
+    assert_int_equal(counts.inner, expected.inner);
+    assert_int_equal(counts.leaves, expected.leaves);
+    assert_int_equal(counts.empty, expected.empty);
+    assert_int_equal(counts.pair_entries, expected.pair_entries);
+    assert_int_equal(counts.list_entries, expected.list_entries);
+    assert_true(counts.pair_entries > 0 && counts.list_entries > 0 && counts.inner > 1000);
+    gw_pairs_finish(&pairs);
+    gw_voxelised_finish(&voxelised);
+    check_ok(gw_voxelise(device, rock, RESOLUTION, 1, 5000, &voxelised, &error));
+    check_fails(gw_splat_build(device, &voxelised, DEPTH, rock->triangle_count, &counts, &error), GW_MACHINE,
+                "in one buffer");
+    gw_voxelised_finish(&voxelised);
+}
+
 static void boxes_and_triangles(void **state) {
     (void)state;
     static const double flat[3][3] = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
@@ -137,6 +206,7 @@ int main(void) {
         cmocka_unit_test(without_enlargement_columns_are_missed),
         cmocka_unit_test(slices_give_the_same_pairs),
         cmocka_unit_test(a_triangle_that_does_not_fit_is_an_error),
+        cmocka_unit_test(the_papers_loop_builds_the_tree_of_its_fragments),
         cmocka_unit_test(boxes_and_triangles),
     };
     return cmocka_run_group_tests_name("voxelise", tests, open_all, close_all);

@@ -327,6 +327,23 @@ static gw_code read_clips(gw_gltf_motion *motion, const char *choice, gw_error *
     return code == GW_OK ? sort_channels(motion->animation, error) : code;
 }
 
+/* Lights and cameras stay where they are at rest. */
+static gw_code note_riders(const gw_gltf_motion *motion, gw_error *error) {
+    size_t riders = 0;
+    for (size_t i = 0; i < motion->node_count; i++) {
+        const json_t *node = json_array_get(list(motion, "nodes"), i);
+        const int carries =
+            json_object_get(node, "camera") != NULL ||
+            json_object_get(json_object_get(node, "extensions"), "KHR_lights_punctual") != NULL;
+        riders += carries && motion->place_of[i] >= 0 && motion->moving[motion->place_of[i]];
+    }
+    return riders ? gw_scene_note(
+                        motion->model->scene, error,
+                        "glTF: %zu nodes that move have a light or a camera: it stays where it is at rest",
+                        riders)
+                  : GW_OK;
+}
+
 /* Nothing moves in time, but skins still have a pose of their own. */
 static gw_code pose_once(gw_gltf_motion *motion, gw_error *error) {
     gw_pose pose;
@@ -351,7 +368,9 @@ static gw_code animate(gw_gltf_motion *motion, const char *choice, gw_error *err
     if (code != GW_OK)
         return code;
     settle_nodes(motion);
-    code = gw_gltf_bind_vertices(motion, error);
+    code = note_riders(motion, error);
+    if (code == GW_OK)
+        code = gw_gltf_bind_vertices(motion, error);
     if (code == GW_OK)
         code = gw_animation_check(motion->animation, error);
     if (code != GW_OK || motion->animation->binding_count == 1)
@@ -366,11 +385,8 @@ static gw_code animate(gw_gltf_motion *motion, const char *choice, gw_error *err
 gw_code gw_gltf_animate(const gw_gltf *gltf, const char *folder, const char *choice, gw_source_model *model,
                         gw_error *error) {
     gw_gltf_motion motion = {.gltf = gltf, .model = model};
-    if (!gw_gltf_moves(gltf)) {
-        const int named = choice && strcmp(choice, "none") != 0 && strcmp(choice, "all") != 0;
-        return named ? gw_fail(error, GW_BAD_INPUT, "it has no animation at all, none called '%.60s'", choice)
-                     : GW_OK;
-    }
+    if (!gw_gltf_moves(gltf))
+        return GW_OK;
     motion.node_count = json_array_size(json_object_get(gltf->root, "nodes"));
     gw_code code = gw_gltf_data_open(gltf, folder, &motion.data, error);
     if (code == GW_OK)

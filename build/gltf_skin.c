@@ -2,7 +2,6 @@
 #include "build/gltf_motion.h"
 
 #include "base/memory.h"
-#include "build/weld.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -235,23 +234,6 @@ static gw_code bind_span(binder *self, const gw_vertex_span *span, gw_error *err
                           : bind_to_node(self, &part, (uint32_t)node, error);
 }
 
-/* Equal bindings become one. */
-static gw_code merge_bindings(gw_animation *a, gw_error *error) {
-    uint32_t *ids = NULL, unique = 0;
-    gw_code code = gw_allocate((void **)&ids, a->binding_count, sizeof *ids, "bindings", error);
-    if (code == GW_OK)
-        code = gw_weld((const uint32_t *)(const void *)a->bindings, a->binding_count,
-                       sizeof *a->bindings / sizeof(uint32_t), ids, &unique, error);
-    for (uint32_t i = 0; code == GW_OK && i < a->binding_count; i++) /* ids never exceed their row */
-        a->bindings[ids[i]] = a->bindings[i];
-    for (uint32_t v = 0; code == GW_OK && v < a->vertex_count; v++)
-        a->binding_of[v] = ids[a->binding_of[v]];
-    if (code == GW_OK)
-        a->binding_count = unique;
-    free(ids);
-    return code;
-}
-
 gw_code gw_gltf_bind_vertices(gw_gltf_motion *motion, gw_error *error) {
     binder self = {.motion = motion};
     gw_code code = gw_allocate((void **)&self.node_binding, motion->animation->node_count,
@@ -261,8 +243,6 @@ gw_code gw_gltf_bind_vertices(gw_gltf_motion *motion, gw_error *error) {
                            "skins", error);
     for (uint32_t i = 0; code == GW_OK && i < motion->model->span_count; i++)
         code = bind_span(&self, &motion->model->spans[i], error);
-    if (code == GW_OK)
-        code = merge_bindings(motion->animation, error);
     if (code == GW_OK && self.crowded)
         code = gw_scene_note(
             motion->model->scene, error,

@@ -214,6 +214,20 @@ static gw_code import_bare_model(const char *path, const gw_import_options *opti
     return GW_OK;
 }
 
+static gw_code import_any(const char *path, const gw_import_options *options, gw_scene **out,
+                          gw_error *error) {
+    if (!path || strcmp(path, "demo") == 0)
+        return gw_demo_scene(out, error);
+    if (gw_path_has_extension(path, ".yaml") || gw_path_has_extension(path, ".yml"))
+        return gw_yaml_scene_load(path, options, out, error);
+    return import_bare_model(path, options, out, error);
+}
+
+/* A choice that only a scene which moves can follow. */
+static int names_one(const char *animation) {
+    return animation && strcmp(animation, "none") != 0 && strcmp(animation, "all") != 0;
+}
+
 gw_code gw_import(const char *path, const gw_import_options *options, gw_scene **out, gw_error *error) {
     static const gw_import_options no_options = {0};
     gw_error spare = {0};
@@ -222,9 +236,11 @@ gw_code gw_import(const char *path, const gw_import_options *options, gw_scene *
         options = &no_options;
     if (!error)
         error = &spare;
-    if (!path || strcmp(path, "demo") == 0)
-        return gw_demo_scene(out, error);
-    if (gw_path_has_extension(path, ".yaml") || gw_path_has_extension(path, ".yml"))
-        return gw_yaml_scene_load(path, options, out, error);
-    return import_bare_model(path, options, out, error);
+    gw_code code = import_any(path, options, out, error);
+    if (code == GW_OK && !(*out)->animation && names_one(options->animation)) {
+        gw_scene_destroy(out);
+        code = gw_fail(error, GW_BAD_INPUT, "%s: nothing in it moves, so no animation '%.60s' can play",
+                       path ? path : "demo", options->animation);
+    }
+    return code;
 }

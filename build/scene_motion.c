@@ -66,8 +66,7 @@ static gw_code number_rows(const uint32_t *words, uint32_t count, size_t width, 
     return GW_OK;
 }
 
-static void fill_content(const gw_animation *animation, const uint32_t *binding_number, uint32_t vertex,
-                         uint32_t *words) {
+static void fill_content(const gw_animation *animation, uint32_t vertex, uint32_t *words) {
     const size_t v = vertex;
     for (size_t i = 0; i < 3; i++) {
         const double position = animation->bind_positions[v * 3 + i] + 0.0; /* no negative zero */
@@ -75,7 +74,7 @@ static void fill_content(const gw_animation *animation, const uint32_t *binding_
         memcpy(words + i * 2, &position, sizeof position);
         memcpy(words + MOTION_WORDS + i, &normal, sizeof normal);
     }
-    words[MOTION_WORDS - 1] = binding_number[animation->binding_of[v]];
+    words[MOTION_WORDS - 1] = animation->binding_of[v];
 }
 
 /* Contents that differ in their last words alone, the normal, move alike and stand side by side. */
@@ -91,30 +90,46 @@ static gw_code number_motions(const uint32_t *words, const uint32_t *first_of, g
     return code;
 }
 
-static gw_code number_contents(const gw_animation *animation, gw_scene_motion *motion, gw_error *error) {
-    uint32_t *words = NULL, *binding_number = NULL, *first_of = NULL, bindings;
-    gw_code code = gw_allocate((void **)&binding_number, animation->binding_count, sizeof *binding_number,
-                               "bindings", error);
+/* Equal bindings become one, and they stand in an order of content: the one without joints first. */
+static gw_code order_bindings(gw_animation *animation, gw_error *error) {
+    uint32_t *number_of = NULL, *first_of = NULL, unique = 0;
+    gw_binding *sorted = NULL;
+    gw_code code =
+        gw_allocate((void **)&number_of, animation->binding_count, sizeof *number_of, "bindings", error);
     if (code == GW_OK)
         code = number_rows((const uint32_t *)(const void *)animation->bindings, animation->binding_count,
-                           BINDING_WORDS, binding_number, &first_of, &bindings, error);
-    free(first_of);
-    first_of = NULL;
+                           BINDING_WORDS, number_of, &first_of, &unique, error);
     if (code == GW_OK)
-        code = gw_allocate((void **)&words, animation->vertex_count, CONTENT_WORDS * sizeof *words,
-                           "contents of vertices", error);
+        code = gw_allocate((void **)&sorted, unique, sizeof *sorted, "bindings", error);
+    for (uint32_t i = 0; code == GW_OK && i < unique; i++)
+        sorted[i] = animation->bindings[first_of[i]];
+    for (uint32_t v = 0; code == GW_OK && v < animation->vertex_count; v++)
+        animation->binding_of[v] = number_of[animation->binding_of[v]];
+    if (code == GW_OK) {
+        free(animation->bindings);
+        animation->bindings = sorted;
+        animation->binding_count = unique;
+    }
+    free(number_of);
+    free(first_of);
+    return code;
+}
+
+static gw_code number_contents(const gw_animation *animation, gw_scene_motion *motion, gw_error *error) {
+    uint32_t *words = NULL, *first_of = NULL;
+    gw_code code = gw_allocate((void **)&words, animation->vertex_count, CONTENT_WORDS * sizeof *words,
+                               "contents of vertices", error);
     if (code == GW_OK)
         code = gw_allocate((void **)&motion->content_of, animation->vertex_count, sizeof *motion->content_of,
                            "contents of vertices", error);
     for (uint32_t v = 0; code == GW_OK && v < animation->vertex_count; v++)
-        fill_content(animation, binding_number, v, words + (size_t)v * CONTENT_WORDS);
+        fill_content(animation, v, words + (size_t)v * CONTENT_WORDS);
     if (code == GW_OK)
         code = number_rows(words, animation->vertex_count, CONTENT_WORDS, motion->content_of, &first_of,
                            &motion->content_count, error);
     if (code == GW_OK)
         code = number_motions(words, first_of, motion, error);
     free(words);
-    free(binding_number);
     free(first_of);
     return code;
 }
@@ -143,6 +158,8 @@ gw_code gw_scene_motion_init(gw_scene *scene, gw_scene_motion *motion, gw_error 
     gw_code code = gw_animation_check(scene->animation, error);
     if (code == GW_OK)
         code = take_first_pose(scene, motion, error);
+    if (code == GW_OK)
+        code = order_bindings(scene->animation, error);
     if (code == GW_OK)
         code = number_contents(scene->animation, motion, error);
     if (code != GW_OK)

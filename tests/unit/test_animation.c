@@ -8,8 +8,10 @@
 #include "base/portable_math.h"
 #include "build/animation.h"
 #include "build/gltf_animation.h"
+#include "build/gltf_data.h"
 #include "build/import.h"
 #include "build/scene_pose.h"
+#include "tests/support/meshes.h"
 
 #include <math.h>
 #include <unistd.h>
@@ -250,7 +252,7 @@ static void the_choice_is_checked(void **state) {
     check_fails(gw_import(moving, &options, &scene, &error), GW_BAD_INPUT,
                 "no animation 'walk' (it has 1, the first is 'all together')");
     check_fails(gw_import("tests/data/poster.gltf", &options, &scene, &error), GW_BAD_INPUT,
-                "no animation at all");
+                "nothing in it moves, so no animation 'walk' can play");
     options.animation = "0";
     check_ok(gw_import(moving, &options, &scene, &error));
     assert_non_null(scene->animation);
@@ -323,6 +325,128 @@ static void lies_are_refused(void **state) {
     }
 }
 
+/* --- order --- */
+
+static void shuffle(uint32_t *values, uint32_t count, uint64_t *random) {
+    for (uint32_t i = 0; i < count; i++)
+        values[i] = i;
+    for (uint32_t i = count; i > 1; i--) {
+        const uint32_t k = (uint32_t)(gw_test_random(random) * i), swap = values[k];
+        values[k] = values[i - 1];
+        values[i - 1] = swap;
+    }
+}
+
+enum { VERTICES = 476, TRIANGLES = 806 };
+
+/* The animation's vertices in another order: the old v becomes place[v]; and its bindings, from the last to
+ * the first, for a file in which the first vertex comes last. */
+static void move_vertices(gw_animation *animation, const uint32_t place[VERTICES], int backwards) {
+    static double positions[VERTICES][3];
+    static float normals[VERTICES][3];
+    uint32_t binding_of[VERTICES];
+    memcpy(positions, animation->bind_positions, sizeof positions);
+    memcpy(normals, animation->bind_normals, sizeof normals);
+    memcpy(binding_of, animation->binding_of, sizeof binding_of);
+    for (uint32_t v = 0; v < VERTICES; v++) {
+        memcpy(animation->bind_positions + (size_t)place[v] * 3, positions[v], sizeof positions[v]);
+        memcpy(animation->bind_normals + (size_t)place[v] * 3, normals[v], sizeof normals[v]);
+        animation->binding_of[place[v]] =
+            backwards && binding_of[v] > 0 ? animation->binding_count - binding_of[v] : binding_of[v];
+    }
+    for (uint32_t i = 1; backwards && 2 * i < animation->binding_count; i++) {
+        const gw_binding swap = animation->bindings[i];
+        animation->bindings[i] = animation->bindings[animation->binding_count - i];
+        animation->bindings[animation->binding_count - i] = swap;
+    }
+}
+
+/* Triangle t becomes turn[t] and begins at another corner. */
+static void put_triangles(gw_scene *scene, gw_gltf_data *data, const uint32_t *place, const uint32_t *turn) {
+    static const size_t indices_of[3] = {2, 5, 8}; /* accessors by mesh */
+    uint32_t t = 0;
+    for (uint32_t s = 0; s < 5; s++) {
+        uint32_t *indices = NULL;
+        size_t count = 0;
+        check_ok(
+            gw_gltf_integers(data, indices_of[true_spans[s].mesh], 1, "indices", &indices, &count, &error));
+        for (size_t i = 0; i < count; i += 3, t++)
+            for (uint32_t k = 0; k < 3; k++)
+                scene->triangles[turn[t]][(k + turn[t]) % 3] = place[true_spans[s].first + indices[i + k]];
+        free(indices);
+    }
+    assert_int_equal(t, TRIANGLES);
+}
+
+/* moving.gltf as a file would give it whose vertices, triangles and corners stand in another order, finished.
+ */
+static gw_scene *shuffled(uint64_t seed) {
+    static double world[VERTICES][3];
+    gw_bytes bytes = {0};
+    gw_gltf gltf;
+    gw_gltf_data data;
+    gw_source_model *model = NULL;
+    uint32_t place[VERTICES], turn[TRIANGLES];
+    const int backwards = seed % 2 == 0;
+    check_ok(gw_file_read(moving, 1 << 20, &bytes, &error));
+    check_ok(gw_gltf_open(bytes.data, bytes.size, NULL, &gltf, &error));
+    check_ok(gw_gltf_data_open(&gltf, NULL, &data, &error));
+    check_ok(gw_source_model_create(&model, &error));
+    gw_scene *scene = model->scene;
+    scene->vertex_count = VERTICES;
+    scene->triangle_count = TRIANGLES;
+    scene->material_count = 1;
+    scene->materials = calloc(1, sizeof *scene->materials);
+    scene->material_of = calloc(TRIANGLES, sizeof *scene->material_of);
+    scene->triangles = calloc(TRIANGLES, sizeof *scene->triangles);
+    scene->normals = calloc((size_t)VERTICES * 3, sizeof *scene->normals);
+    model->spans = malloc(sizeof true_spans);
+    model->world = malloc(sizeof world);
+    assert_true(scene->materials && scene->material_of && scene->triangles && scene->normals &&
+                model->spans && model->world);
+    scene->materials[0].base_color_texture = -1;
+    for (int v = 0; v < 4; v++) { /* the floor, which stays */
+        world[v][0] = v & 1 ? 3 : -3;
+        world[v][2] = v & 2 ? 2 : -2;
+    }
+    memcpy(model->world, world, sizeof world);
+    memcpy(model->spans, true_spans, sizeof true_spans);
+    model->span_count = 5;
+    check_ok(gw_gltf_animate(&gltf, NULL, NULL, model, &error));
+    shuffle(place, VERTICES, &seed);
+    shuffle(turn, TRIANGLES, &seed);
+    put_triangles(scene, &data, place, turn);
+    move_vertices(scene->animation, place, backwards);
+    check_ok(gw_scene_finish(scene, model->world, &error));
+    model->scene = NULL;
+    gw_source_model_destroy(&model);
+    gw_gltf_data_close(&data);
+    gw_gltf_close(&gltf);
+    gw_bytes_finish(&bytes);
+    return scene;
+}
+
+static void the_order_in_the_file_changes_no_byte(void **state) {
+    (void)state;
+    gw_scene *first = shuffled(1);
+    assert_int_equal(first->triangle_count, TRIANGLES);
+    for (uint64_t seed = 2; seed < 6; seed++) {
+        gw_scene *other = shuffled(seed);
+        gw_posed *a = NULL, *b = NULL;
+        assert_true(gw_hash_equal(first->hash, other->hash));
+        check_ok(gw_posed_create(first, &a, &error));
+        check_ok(gw_posed_create(other, &b, &error));
+        gw_posed_move(a, 5 * second / 4);
+        gw_posed_move(b, 5 * second / 4);
+        assert_memory_equal(gw_posed_scene(a)->positions, gw_posed_scene(b)->positions,
+                            (size_t)first->vertex_count * 12);
+        gw_posed_destroy(&a);
+        gw_posed_destroy(&b);
+        gw_scene_destroy(&other);
+    }
+    gw_scene_destroy(&first);
+}
+
 static void yaml_places_what_moves(void **state) {
     (void)state;
     char path[512], folder[512];
@@ -351,12 +475,18 @@ static void yaml_places_what_moves(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(time_0_is_the_finished_scene),  cmocka_unit_test(nodes_follow_their_curves),
-        cmocka_unit_test(skins_follow_their_joints),     cmocka_unit_test(clips_are_looped),
-        cmocka_unit_test(nothing_leaves_the_cube),       cmocka_unit_test(a_point_at_time_0_may_grow),
-        cmocka_unit_test(welded_vertices_stay_together), cmocka_unit_test(none_is_the_pose_at_rest),
-        cmocka_unit_test(the_choice_is_checked),         cmocka_unit_test(lies_are_refused),
+        cmocka_unit_test(time_0_is_the_finished_scene),
+        cmocka_unit_test(nodes_follow_their_curves),
+        cmocka_unit_test(skins_follow_their_joints),
+        cmocka_unit_test(clips_are_looped),
+        cmocka_unit_test(nothing_leaves_the_cube),
+        cmocka_unit_test(a_point_at_time_0_may_grow),
+        cmocka_unit_test(welded_vertices_stay_together),
+        cmocka_unit_test(none_is_the_pose_at_rest),
+        cmocka_unit_test(the_choice_is_checked),
+        cmocka_unit_test(lies_are_refused),
         cmocka_unit_test(yaml_places_what_moves),
+        cmocka_unit_test(the_order_in_the_file_changes_no_byte),
     };
     return cmocka_run_group_tests_name("animation", tests, NULL, NULL);
 }

@@ -85,11 +85,12 @@ json_t *gw_moving_report(const gw_moving *moving) {
     const gw_gl_pool_counts now = gw_gl_pool_counts_of(moving->device);
     const double share = moving->rebuilds > 0 ? 1.0 / (double)moving->rebuilds : 0.0;
     const double *phases = moving->phases_ms;
-    return json_pack(
-        "{s:I, s:{s:f, s:f}, s:{s:f, s:f, s:f, s:f, s:f}, s:{s:I, s:I}, s:I}", "rebuilds",
-        (json_int_t)moving->rebuilds, "ms", "mean", moving->total_ms * share, "max", moving->worst_ms,
-        "phases_ms", "pose", moving->pose_ms * share, "refinement", phases[0] * share, "leaf_payload",
-        phases[1] * share, "inner_payload", phases[2] * share, "assembly", phases[3] * share, "buffers",
-        "made", (json_int_t)(now.made - moving->before.made), "reused",
-        (json_int_t)(now.reused - moving->before.reused), "held_vertices", (json_int_t)moving->held);
+    return json_pack("{s:I, s:{s:f, s:f}, s:{s:f, s:f, s:f, s:f, s:f}, s:{s:I, s:I, s:I}, s:I}", "rebuilds",
+                     (json_int_t)moving->rebuilds, "ms", "mean", moving->total_ms * share, "max",
+                     moving->worst_ms, "phases_ms", "pose", moving->pose_ms * share, "refinement",
+                     phases[0] * share, "leaf_payload", phases[1] * share, "inner_payload", phases[2] * share,
+                     "assembly", phases[3] * share, "buffers", "made",
+                     (json_int_t)(now.made - moving->before.made), "reused",
+                     (json_int_t)(now.reused - moving->before.reused), "idle_bytes",
+                     (json_int_t)now.idle_bytes, "held_vertices", (json_int_t)moving->held);
 }

@@ -26,7 +26,7 @@ gw_code gw_moving_to(gw_moving *moving, int64_t time, const gw_scene **scene, co
                      gw_error *error);
 
 /* {rebuilds, ms{mean,max}, phases_ms{pose,refinement,leaf_payload,inner_payload,assembly},
- * buffers{made,reused}, held_vertices}, means over all rebuilds; NULL when memory is out. */
+ * buffers{made,reused,idle_bytes}, held_vertices}, means over all rebuilds; NULL when memory is out. */
 json_t *gw_moving_report(const gw_moving *moving);
 
 #endif

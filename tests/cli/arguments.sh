@@ -65,6 +65,7 @@ expect "a viewpoint that is not there" 2 "has no viewpoint 'door'" render "${sce
 expect "a track and a gaze" 2 "--track goes with neither" sim --track a.vrpn --gaze 1,2
 expect "a bench that is none" 2 "did you mean 'build'?" bench biuld
 expect "a bench of nothing" 2 "say what to measure" bench
+expect "an animation of what stays" 2 "nothing in it moves, so no animation 'walk' can play" render "${scene[@]}" --animation walk
 expect "a scene and the device" 2 "leave out the scene" inspect --device model.obj
 expect "two scenes" 2 "'b.obj' is one scene too many" inspect a.obj b.obj
 

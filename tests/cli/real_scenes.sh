@@ -62,6 +62,11 @@ testmodels/STL/Spider_binary.stl                                     1312 56 0
 testmodels/OFF/Wuson.off                                             3732 0 0
 testmodels/OBJ/spider.obj                                            1312 56 4
 draco/KhronosSampleModels/DragonAttenuation/glTF_Binary/DragonAttenuation.glb  134995 0 1
+draco/CesiumMan/glTF/CesiumMan.gltf                                  4672 0 1
+draco/Fox/glTF/Fox.gltf                                              576 0 1
+draco/CesiumMilkTruck/glTF/CesiumMilkTruck.gltf                      3624 0 1
+draco/InterpolationTest/glTF/InterpolationTest.gltf                  110 0 1
+draco/simple_skin.gltf                                               8 0 0
 draco/bun_zipper.ply                                                 69451 0 0
 furniture/Scopia/scopia/japaneseMaple/japaneseMaple.obj              198396 0 1
 furniture/Scopia/scopia/copperBeech/copperBeech.obj                  187308 0 1

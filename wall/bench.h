@@ -39,6 +39,9 @@ gw_code gw_bench_layouts(gw_bench *bench, gw_error *error);
  */
 gw_code gw_bench_rays(const gw_bench *bench, gw_ray **rays, size_t *count, gw_error *error);
 
+/* Builds against rebuilds of an animated scene, pose after pose. Fails if they differ. */
+gw_code gw_bench_rebuild(gw_bench *bench, gw_error *error);
+
 /* Many models at once, each with its own octree and renderer on one device. */
 gw_code gw_bench_resident(gw_bench *bench, gw_error *error);
 

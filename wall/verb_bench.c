@@ -31,7 +31,7 @@ static const bench_kind kinds[] = {
     {"build", gw_bench_build, NEEDS_OCTREE, 0},      {"peers", gw_bench_peers, NEEDS_OCTREE, 0},
     {"layouts", gw_bench_layouts, NEEDS_OCTREE, 1},  {"table2", gw_bench_table2, NEEDS_SCENES, 0},
     {"growth", gw_bench_growth, NEEDS_NOTHING, 0},   {"resident", gw_bench_resident, NEEDS_SCENES, 0},
-    {"voxelise", gw_bench_voxelise, NEEDS_SCENE, 1},
+    {"voxelise", gw_bench_voxelise, NEEDS_SCENE, 1}, {"rebuild", gw_bench_rebuild, NEEDS_SCENE, 0},
 };
 enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };
 
@@ -73,10 +73,10 @@ static gw_code choose_kind(bench_options *o, const char *word, gw_error *error) 
         return gw_fail(error, GW_BAD_INPUT, "'%s' is one word too many; bench measures one thing at a time",
                        word);
     const char *near = gw_suggest(word, names, KIND_COUNT);
-    return gw_fail(
-        error, GW_BAD_INPUT,
-        "there is no bench '%s'; it is build, peers, layouts, table2, growth, resident or voxelise%s%s%s",
-        word, near ? " (did you mean '" : "", near ? near : "", near ? "'?)" : "");
+    return gw_fail(error, GW_BAD_INPUT,
+                   "there is no bench '%s'; it is build, peers, layouts, table2, growth, resident, voxelise "
+                   "or rebuild%s%s%s",
+                   word, near ? " (did you mean '" : "", near ? near : "", near ? "'?)" : "");
 }
 
 static error_t parse_bench(int key, char *argument, struct argp_state *state) {
@@ -114,7 +114,7 @@ static const struct argp_child children[] = {{&gw_draw_argp, 0, NULL, 0}, {0}};
 static const struct argp bench_argp = {
     .options = options_table,
     .parser = parse_bench,
-    .args_doc = "build|peers|layouts|table2 [SCENE...]|growth|resident [SCENE...]|voxelise",
+    .args_doc = "build|peers|layouts|table2 [SCENE...]|growth|resident [SCENE...]|voxelise|rebuild",
     .children = children,
     .doc =
         "build: builds the scene's octree again and again; medians, phases, pairs, bytes a triangle.\n"
@@ -135,7 +135,9 @@ static const struct argp bench_argp = {
         "all at once on one device; bytes by part, one frame of each.\n"
         "voxelise: the same paper's rasterised voxeliser against refinement: pairs that one of them lacks, "
         "and why; "
-        "time and bytes.\v"
+        "time and bytes.\n"
+        "rebuild: octrees of an animated scene, pose after pose, built anew and rebuilt: time, buffers; "
+        "fails when they differ.\v"
         "Examples:\n"
         "  gazewall bench build --scene dragon.ply --out results\n"
         "  gazewall bench peers --quick\n"
@@ -198,8 +200,8 @@ int gw_verb_bench(int argc, char **argv) {
             gw_fail(&error, GW_BAD_INPUT, "bench %s makes its own scenes: leave --scene out", o.kind->name);
     if (!code && !o.kind)
         code = gw_fail(&error, GW_BAD_INPUT,
-                       "say what to measure: gazewall bench build, peers, layouts, table2, growth, resident "
-                       "or voxelise");
+                       "say what to measure: gazewall bench build, peers, layouts, table2, growth, resident, "
+                       "voxelise or rebuild");
     if (!code)
         code = gw_file_writable(bench->draw.report, &error);
     if (!code && bench->out)

@@ -49,6 +49,13 @@ is "beside another model" "$(json "$folder/both/resident.json" '["bench"]["model
     "$(json "$folder/one/resident.json" '["bench"]["models"][0]["picture"]')"
 is "which is another picture" "$(json "$folder/both/resident.json" '["bench"]["models"][0]["picture"] != d["bench"]["models"][1]["picture"]')" True
 
+# --- rebuild
+expect "rebuilds of what moves" 0 "all rebuilds have the bytes of builds" bench rebuild --quick --set octree_depth=7 \
+    --scene configs/scenes/moving.gltf --out "$folder/results"
+is "the second time nothing is made" "$(json "$folder/results/rebuild.json" '["bench"]["rounds"][2]["buffers_made"]')" 0
+is "four poses" "$(wc -l <"$folder/results/rebuild.csv")" 5
+expect "rebuilds of what stays" 2 "nothing in it moves" bench rebuild --quick --scene "$folder/sheet.obj"
+
 expect "the rasterised voxeliser" 0 "rasteriser alone" bench voxelise --quick --scene "$folder/sheet.obj" \
     --out "$folder/results"
 # depth refined rasterised fragments both other_depth thinner no_fragment margin beside

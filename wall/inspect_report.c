@@ -36,11 +36,13 @@ static void measure_memory(const gw_model *model, const gw_renderer *renderer, g
     m->host_textures = texture_bytes(model->scene);
 }
 
-gw_code gw_inspect_report_make(const gw_model *model, const gw_renderer *renderer, gw_inspect_report *out,
-                               gw_error *error) {
+gw_code gw_inspect_mesh(const gw_model *model, gw_inspect_report *out, gw_error *error) {
+    return gw_mesh_report_make(model->scene, &out->mesh, error);
+}
+
+void gw_inspect_octree(const gw_model *model, const gw_renderer *renderer, gw_inspect_report *out) {
     gw_octree_report_make(model->octree, &out->octree);
     measure_memory(model, renderer, &out->memory);
-    return gw_mesh_report_make(model->scene, &out->mesh, error);
 }
 
 /* --- JSON

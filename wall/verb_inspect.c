@@ -228,12 +228,42 @@ static gw_code check_options(const inspect_options *o, gw_error *error) {
     return GW_OK;
 }
 
+/* The scene is told before the octree is built: when that fails, this is what it failed for. */
+static gw_code inspect_import(gw_model *model, const inspect_options *o, const gw_log *log,
+                              gw_inspect_report *inspected, gw_error *error) {
+    gw_code code = gw_model_import(model, &o->draw, log, error);
+    if (!code)
+        code = gw_inspect_mesh(model, inspected, error);
+    if (!code && !o->draw.quiet) {
+        print_scene(model->scene);
+        gw_inspect_print_mesh(inspected, model->scene);
+        fflush(stdout);
+    }
+    return code;
+}
+
+static void fill_report(const gw_model *model, const inspect_options *o, const gw_inspect_report *inspected,
+                        json_t *report) {
+    const gw_gl_limits *limits = gw_gl_limits_of(model->device);
+    gw_report_device(report, limits);
+    gw_report_scene(report, model->scene, model->import_ms);
+    gw_report_octree(report, model->octree, model->scene, limits, model->build_ms, model->from_cache);
+    gw_report_settings(report, &o->draw.settings);
+    gw_inspect_report_json(inspected, model, report);
+    json_object_set_new(json_object_get(report, "octree"), "validated",
+                        o->validate ? json_true() : json_null());
+}
+
 static gw_code inspect_scene(gw_model *model, const inspect_options *o, const gw_log *log, json_t *report,
                              gw_error *error) {
     gw_renderer *renderer = NULL;
     gw_renderer_options how = {.log = log};
     gw_inspect_report inspected;
-    gw_code code = gw_model_open(model, &o->draw, log, error);
+    gw_code code = inspect_import(model, o, log, &inspected, error);
+    if (!code)
+        code = gw_model_open_device(model, &o->draw, log, error);
+    if (!code)
+        code = gw_model_build(model, &o->draw, log, error);
     if (!code && o->validate)
         code = gw_octree_validate(model->device, model->scene, model->octree, error);
     if (!code)
@@ -241,22 +271,13 @@ static gw_code inspect_scene(gw_model *model, const inspect_options *o, const gw
     if (!code)
         code = gw_renderer_report(renderer, report, error);
     if (!code)
-        code = gw_inspect_report_make(model, renderer, &inspected, error);
+        gw_inspect_octree(model, renderer, &inspected);
     gw_renderer_destroy(&renderer);
     if (code)
         return code;
-    const gw_gl_limits *limits = gw_gl_limits_of(model->device);
-    gw_report_device(report, limits);
-    gw_report_scene(report, model->scene, model->import_ms);
-    gw_report_octree(report, model->octree, model->scene, limits, model->build_ms, model->from_cache);
-    gw_report_settings(report, &o->draw.settings);
-    gw_inspect_report_json(&inspected, model, report);
-    json_object_set_new(json_object_get(report, "octree"), "validated",
-                        o->validate ? json_true() : json_null());
+    fill_report(model, o, &inspected, report);
     if (o->draw.quiet)
         return GW_OK;
-    print_scene(model->scene);
-    gw_inspect_print_mesh(&inspected, model->scene);
     print_octree(model->octree, model->scene, model->build_ms);
     gw_inspect_print_levels(&inspected);
     gw_inspect_print_memory(&inspected, model->scene);

@@ -73,7 +73,7 @@
            "tau 0", "half the thickness of the slab by which a flat voxel stands for its surface")                     \
     GW_ROW(voxel_flatness, REAL, 0.95, 0.2, 1.2, "", FRAME, "", "blur of curved voxels against gaps between them",       \
            "tau 0", "agreement of normals from which a voxel is a slab; 0.15 below it, it is a cloud; 1.2: always")     \
-    GW_ROW(fold_agreement, REAL, 0.99, 0.0, 1.0, "", FRAME, "", "leaks of folded voxels against blur of thin plates",    \
+    GW_ROW(fold_agreement, REAL, 0.6, 0.0, 1.0, "", FRAME, "", "leaks of folded voxels against blur of thin plates",    \
            "tau 0", "a two-sided voxel whose normals agree less than this is a fold, not a plate, and never a slab")    \
     GW_ROW(least_remainder, REAL, 0.00390625, 0.0001, 0.25, "", FRAME, "", "light from behind voxels against steps",     \
            "0.0001", "a ray ends when less than this share of it is left")                                              \

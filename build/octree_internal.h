@@ -55,6 +55,8 @@ void gw_octree_builder_finish(gw_octree_builder *builder);
 
 /* Makes it ready for another build, of the same scene in another pose; keeps inputs and the levels' room. */
 void gw_octree_builder_reset(gw_octree_builder *builder, const gw_scene *scene);
+/* Nothing when they are there. */
+gw_code gw_payload_inputs_make(gw_octree_builder *builder, gw_error *error);
 void gw_payload_inputs_finish(gw_payload_inputs *inputs);
 
 /* All stages of a build of the whole tree, into an empty octree or one that is built again. */

@@ -30,6 +30,9 @@
            "any value gives the same pixels at tau 0", "largest fan that the fan rule keeps in one leaf")              \
     GW_ROW(isolation_rule, SWITCH, 1, 0, 1, "", BUILD, "", "small isolated things in coarse voxels against nodes",     \
            "off gives the same pixels at tau 0", "refine leaves whose triangles are a small isolated thing")           \
+    GW_ROW(octree_memory, REAL, 0.0, 0.0, 1000000.0, "", BUILD, "MiB", "memory against tests per ray",                  \
+           "0 gives the same pixels at tau 0",                                                                         \
+           "most that the octree's arrays may take: cells that gain least are not refined; 0: what the driver reads")  \
     GW_ROW(dense_leaf, INTEGER, 64, 0, 65535, "", BUILD, "triangles", "tests per ray in dense cells against memory",   \
            "0 (plain lists) gives the same pixels at tau 0",                                                           \
            "a leaf with more triangles than this has boxes over its list (a small BVH); 0: none has")                  \

@@ -138,8 +138,7 @@ static gw_code upload_thresholds(payload_stage *stage, gw_error *error) {
                                &stage->builder->inputs.thresholds, error);
 }
 
-/* Whether a material that some triangle has emits light. */
-static int scene_emits(const gw_scene *scene) {
+int gw_octree_emits(const gw_scene *scene) {
     for (uint32_t t = 0; t < scene->triangle_count; ++t) {
         const float *emissive = scene->materials[scene->material_of[t]].emissive;
         if (emissive[0] > 0 || emissive[1] > 0 || emissive[2] > 0)
@@ -182,7 +181,7 @@ gw_code gw_payload_inputs_make(gw_octree_builder *builder, gw_error *error) {
 
 static gw_code start_stage(payload_stage *stage, gw_error *error) {
     gw_gl *device = stage->builder->device;
-    int emits = scene_emits(stage->builder->scene);
+    int emits = gw_octree_emits(stage->builder->scene);
     int seed = stage->builder->settings->payload_rule == GW_PAYLOAD_SEED;
     char common[64], defines[192];
     snprintf(common, sizeof common, "%s%s", emits ? "#define GW_EMISSION 1\n" : "",

@@ -78,6 +78,8 @@
            "tau 0", "agreement of normals from which a voxel is a slab; 0.15 below it, it is a cloud; 1.2: always")     \
     GW_ROW(fold_agreement, REAL, 0.6, 0.0, 1.0, "", FRAME, "", "leaks of folded voxels against blur of thin plates",    \
            "tau 0", "a two-sided voxel whose normals agree less than this is a fold, not a plate, and never a slab")    \
+    GW_ROW(separated_tau, REAL, 0.5, 0.0, 1.0, "", FRAME, "", "hidden surfaces in voxels against finer voxels", "0",      \
+           "share of tau at which separated voxels stand for their contents; 0.5: one octree level later")             \
     GW_ROW(least_remainder, REAL, 0.00390625, 0.0001, 0.25, "", FRAME, "", "light from behind voxels against steps",     \
            "0.0001", "a ray ends when less than this share of it is left")                                              \
     GW_ROW(texture_filter, CHOICE, 2, 0, 2, "nearest|bilinear|trilinear", FRAME, "", "texture aliasing against fetches", \

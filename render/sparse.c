@@ -49,8 +49,7 @@ static double step_width(const float step[4], const double point[3]) {
     return sqrt(sum);
 }
 
-/* Spacing over pixel width at a pixel position of the plane, for the viewer who resolves most. */
-static double spacing_in_pixels(const gw_frame_block *block, double x, double y) {
+double gw_sparse_spacing(const gw_frame_block *block, double x, double y) {
     double point[3], least = INFINITY;
     for (int i = 0; i < 3; ++i)
         point[i] = (double)block->corner[i] + (double)block->step_x[i] * x + (double)block->step_y[i] * y;
@@ -69,7 +68,7 @@ uint32_t gw_sparse_rate(const gw_frame_block *block, int32_t x, int32_t y, uint3
     if (block->counts[0] == 0)
         return 0;
     for (int i = 0; i < 5; ++i)
-        least = fmin(least, spacing_in_pixels(block, (double)x * SIDE + places[i][0],
+        least = fmin(least, gw_sparse_spacing(block, (double)x * SIDE + places[i][0],
                                               (double)y * SIDE + places[i][1]));
     while (rate < most && least >= (double)(2u << rate))
         rate++;

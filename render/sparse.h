@@ -26,6 +26,10 @@ typedef struct gw_sparse {
 
 void gw_sparse_finish(gw_sparse *sparse);
 
+/* Spacing of samples, in pixels, that the sharpest viewer resolves at a position of the plane (pixels, not
+ * whole); INFINITY when nobody's gaze is known. */
+double gw_sparse_spacing(const gw_frame_block *block, double x, double y);
+
 /* log2 of the side, 0..most, of the squares that the block at block coordinates (x, y) may be sampled in: the
  * spacing that the sharpest viewer resolves anywhere in the block (Guenter et al. 2012), over the pixel's
  * width. */

@@ -42,6 +42,9 @@ gw_code gw_bench_rays(const gw_bench *bench, gw_ray **rays, size_t *count, gw_er
 /* Builds against rebuilds of an animated scene, pose after pose. Fails if they differ. */
 gw_code gw_bench_rebuild(gw_bench *bench, gw_error *error);
 
+/* One view in the modes of Weier et al. 2014, Table 3, and how much of their error is seen. */
+gw_code gw_bench_modes(gw_bench *bench, gw_error *error);
+
 /* Many models at once, each with its own octree and renderer on one device. */
 gw_code gw_bench_resident(gw_bench *bench, gw_error *error);
 

@@ -28,10 +28,11 @@ typedef struct bench_kind {
 } bench_kind;
 
 static const bench_kind kinds[] = {
-    {"build", gw_bench_build, NEEDS_OCTREE, 0},      {"peers", gw_bench_peers, NEEDS_OCTREE, 0},
-    {"layouts", gw_bench_layouts, NEEDS_OCTREE, 1},  {"table2", gw_bench_table2, NEEDS_SCENES, 0},
-    {"growth", gw_bench_growth, NEEDS_NOTHING, 0},   {"resident", gw_bench_resident, NEEDS_SCENES, 0},
-    {"voxelise", gw_bench_voxelise, NEEDS_SCENE, 1}, {"rebuild", gw_bench_rebuild, NEEDS_SCENE, 0},
+    {"build", gw_bench_build, NEEDS_OCTREE, 0},       {"peers", gw_bench_peers, NEEDS_OCTREE, 0},
+    {"modes", gw_bench_modes, NEEDS_OCTREE, 0},       {"layouts", gw_bench_layouts, NEEDS_OCTREE, 1},
+    {"table2", gw_bench_table2, NEEDS_SCENES, 0},     {"growth", gw_bench_growth, NEEDS_NOTHING, 0},
+    {"resident", gw_bench_resident, NEEDS_SCENES, 0}, {"voxelise", gw_bench_voxelise, NEEDS_SCENE, 1},
+    {"rebuild", gw_bench_rebuild, NEEDS_SCENE, 0},
 };
 enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };
 
@@ -47,7 +48,9 @@ static const struct argp_option options_table[] = {
     {"quick", KEY_QUICK, NULL, 0, "fewer repeats and rays: shows that it works, measures little", 1},
     {"repeats", KEY_REPEATS, "N", 0, "1 to 1000; default 7 (quick 2)", 1},
     {"size", KEY_SIZE, "WxH", 0,
-     "px, of the picture whose rays peers and layouts trace; default 1024x576 (quick 160x90)", 1},
+     "px, of the picture that modes draws and whose rays peers and layouts trace; default 1024x576 (quick "
+     "160x90)",
+     1},
     {0}};
 
 static gw_code add_scene(gw_bench *bench, const char *path, gw_error *error) {
@@ -73,10 +76,11 @@ static gw_code choose_kind(bench_options *o, const char *word, gw_error *error) 
         return gw_fail(error, GW_BAD_INPUT, "'%s' is one word too many; bench measures one thing at a time",
                        word);
     const char *near = gw_suggest(word, names, KIND_COUNT);
-    return gw_fail(error, GW_BAD_INPUT,
-                   "there is no bench '%s'; it is build, peers, layouts, table2, growth, resident, voxelise "
-                   "or rebuild%s%s%s",
-                   word, near ? " (did you mean '" : "", near ? near : "", near ? "'?)" : "");
+    return gw_fail(
+        error, GW_BAD_INPUT,
+        "there is no bench '%s'; it is build, peers, modes, layouts, table2, growth, resident, voxelise "
+        "or rebuild%s%s%s",
+        word, near ? " (did you mean '" : "", near ? near : "", near ? "'?)" : "");
 }
 
 static error_t parse_bench(int key, char *argument, struct argp_state *state) {
@@ -114,12 +118,17 @@ static const struct argp_child children[] = {{&gw_draw_argp, 0, NULL, 0}, {0}};
 static const struct argp bench_argp = {
     .options = options_table,
     .parser = parse_bench,
-    .args_doc = "build|peers|layouts|table2 [SCENE...]|growth|resident [SCENE...]|voxelise|rebuild",
+    .args_doc = "build|peers|modes|layouts|table2 [SCENE...]|growth|resident [SCENE...]|voxelise|rebuild",
     .children = children,
     .doc =
         "build: builds the scene's octree again and again; medians, phases, pairs, bytes a triangle.\n"
         "peers: traces the same primary rays through this octree and through Embree (libembree3), in turns; "
         "ratio of the medians, and every hit on which they differ, by kind.\n"
+        "modes: draws one view with triangles only, voxels only, hybrid and foveated, in turns: rays, work, "
+        "time "
+        "against exact triangles, and the error to 16 rays a pixel, plain and as a viewer sees it who looks "
+        "at the "
+        "centre.\n"
         "layouts: traces them through other forms of the octree's nodes (Weier et al.'s, 4x4x4 children, a "
         "root "
         "grid), other fetches, stacks and traversals, in turns: bytes, counted work, ratio to what ships; "
@@ -199,9 +208,10 @@ int gw_verb_bench(int argc, char **argv) {
         code =
             gw_fail(&error, GW_BAD_INPUT, "bench %s makes its own scenes: leave --scene out", o.kind->name);
     if (!code && !o.kind)
-        code = gw_fail(&error, GW_BAD_INPUT,
-                       "say what to measure: gazewall bench build, peers, layouts, table2, growth, resident, "
-                       "voxelise or rebuild");
+        code = gw_fail(
+            &error, GW_BAD_INPUT,
+            "say what to measure: gazewall bench build, peers, modes, layouts, table2, growth, resident, "
+            "voxelise or rebuild");
     if (!code)
         code = gw_file_writable(bench->draw.report, &error);
     if (!code && bench->out)

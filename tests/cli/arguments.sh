@@ -87,6 +87,13 @@ expect "so is a gaze beside the picture" 2 "pixel 200,20 is on no tile" render -
 expect "states that cannot be written" 5 "$folder/nowhere/s" sim --scene missing.obj --save-states "$folder/nowhere/s"
 expect "results of a bench below a file" 5 "$folder/file" bench build --scene missing.obj --out "$folder/file/results"
 is "a quiet bench is quiet" "$("$program" bench build --quick "${scene[@]}" 2>&1)" ""
+"$program" bench modes --quick --size 96x54 --repeats 1 "${scene[@]}" --out "$folder/modes"
+is "six modes" "$(wc -l <"$folder/modes/modes.csv")" 7
+is "triangles and exact do the same work" \
+    "$(json "$folder/modes/modes.json" '["bench"]["modes"][0]["counters"] == d["bench"]["modes"][1]["counters"]')" True
+is "voxels test no triangles" "$(json "$folder/modes/modes.json" '["bench"]["modes"][2]["counters"]["triangle_tests"]')" 0
+is "errors are between 0 and 1, and filters hide some" \
+    "$(json "$folder/modes/modes.json" '["bench"]["modes"] and all(0 <= m["seen_flip"] <= m["flip"] + 0.01 <= 1 for m in d["bench"]["modes"])')" True
 "$program" bench layouts --quick --size 32x32 --repeats 1 "${scene[@]}" --out "$folder/layouts"
 is "layouts that were compared" $? 0
 is "they are in the report" "$(json "$folder/layouts/layouts.json" '["bench"]["layouts"][6]["name"]')" "seed64"

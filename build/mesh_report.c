@@ -3,7 +3,7 @@
 #include "base/memory.h"
 #include "build/components.h"
 #include "build/mesh_junctions.h"
-#include "build/radix_sort.h"
+#include "build/mesh_sides.h"
 #include "build/weld.h"
 
 #include <math.h>
@@ -36,20 +36,6 @@ static const float *position(const gw_scene *scene, uint32_t triangle, int k) {
 /* --- edges
  * -------------------------------------------------------------------------------------------------------- */
 
-/* All sides of all triangles, sorted by their two vertices. value: 1 when the triangle runs from the lesser
- * vertex to the greater. */
-static gw_code sort_sides(const mesh *self, gw_keyed **out, gw_error *error) {
-    const gw_scene *scene = self->scene;
-    const size_t count = (size_t)scene->triangle_count * 3;
-    gw_code code = gw_allocate((void **)out, count, sizeof **out, "mesh edges", error);
-    for (uint32_t t = 0; code == GW_OK && t < scene->triangle_count; t++)
-        for (int k = 0; k < 3; k++) {
-            const uint64_t a = welded_corner(scene, t, k), b = welded_corner(scene, t, (k + 1) % 3);
-            (*out)[(size_t)t * 3 + (size_t)k] = (gw_keyed){a < b ? a << 32 | b : b << 32 | a, a < b};
-        }
-    return code == GW_OK ? gw_radix_sort(*out, count, error) : code;
-}
-
 /* One edge: `sides` triangles, of which `forward` run from its lesser vertex to its greater. */
 static gw_code judge_edge(mesh *self, uint64_t key, size_t sides, size_t forward, gw_error *error) {
     gw_mesh_report *report = self->report;
@@ -71,11 +57,11 @@ static gw_code judge_edge(mesh *self, uint64_t key, size_t sides, size_t forward
 static gw_code judge_edges(mesh *self, gw_error *error) {
     const size_t count = (size_t)self->scene->triangle_count * 3;
     gw_keyed *sides = NULL;
-    gw_code code = sort_sides(self, &sides, error);
+    gw_code code = gw_mesh_sides(self->scene, &sides, error);
     for (size_t begin = 0, end; code == GW_OK && begin < count; begin = end) {
         size_t forward = 0;
         for (end = begin; end < count && sides[end].key == sides[begin].key; end++)
-            forward += sides[end].value;
+            forward += sides[end].value & 1u;
         code = judge_edge(self, sides[begin].key, end - begin, forward, error);
     }
     free(sides);

@@ -88,7 +88,7 @@ typedef struct gw_placement {
  * repeated_vertex: two corners are one vertex or the same point; zero_area: three points on one line,
  * exactly, in the file's own precision; outlier: gw_scene_drop_outliers; collapsed: became one of these two
  * by rebasing to float; duplicate: equal in everything to a triangle that stays, and not blended, so that no
- * ray could tell. */
+ * ray could tell; those that a closed surface needs to be closed stay (scene_duplicates.h). */
 /* clang-format off */
 #define GW_DROPPED_TABLE(GW_ROW)                                                                                      \
     GW_ROW(non_finite, "with a position that is not finite")                                                           \

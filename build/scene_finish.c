@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "build/animation.h"
 #include "build/exact.h"
+#include "build/scene_duplicates.h"
 #include "build/scene_motion.h"
 #include "build/scene_order.h"
 #include "build/scene_outliers.h"
@@ -417,6 +418,17 @@ static gw_code note_repairs(const finish *self, gw_error *error) {
     return code;
 }
 
+static gw_code order(const finish *self, gw_error *error) {
+    uint8_t *marked = NULL;
+    gw_code code = gw_allocate((void **)&marked, self->scene->triangle_count, 1, "duplicates", error);
+    if (code == GW_OK)
+        code = gw_scene_order(self->scene, self->rows, marked, error);
+    if (code == GW_OK)
+        code = gw_scene_drop_duplicates(self->scene, self->rows, self->row_count, marked, error);
+    free(marked);
+    return code;
+}
+
 gw_code gw_scene_finish(gw_scene *scene, const double *world, gw_error *error) {
     finish self = {.scene = scene, .world = world};
     gw_code code = check_counts(scene, error);
@@ -442,7 +454,7 @@ gw_code gw_scene_finish(gw_scene *scene, const double *world, gw_error *error) {
     if (code == GW_OK)
         code = merge_rows(&self, error);
     if (code == GW_OK)
-        code = gw_scene_order(scene, self.rows, error);
+        code = order(&self, error);
     if (code == GW_OK)
         code = write_vertices(&self, error);
     if (code == GW_OK)

@@ -127,23 +127,18 @@ static void sort_equal_codes(gw_keyed *entries, size_t count, order *self) {
     }
 }
 
-/* Takes out what equals the triangle before it, but for blended surfaces, of which two show more than one;
- * returns how many stay. */
-static size_t drop_duplicates(const order *self, gw_keyed *entries, size_t count) {
-    size_t kept = 0;
-    for (size_t i = 0; i < count; i++) {
-        const uint32_t triangle = entries[i].value;
-        const int blended =
-            self->scene->materials[self->scene->material_of[triangle]].alpha_mode == GW_ALPHA_BLEND;
-        if (blended || kept == 0 || entries[kept - 1].key != entries[i].key ||
-            compare_content(self, entries[kept - 1].value, triangle) != 0)
-            entries[kept++] = entries[i];
-    }
-    return kept;
+/* Marks what equals the triangle before it, but for blended surfaces, of which two show more than one. */
+static void mark_duplicates(const order *self, const gw_keyed *entries, size_t count, uint8_t *marked) {
+    for (size_t i = 1; i < count; i++)
+        marked[i] =
+            entries[i - 1].key == entries[i].key &&
+            compare_content(self, entries[i - 1].value, entries[i].value) == 0 &&
+            self->scene->materials[self->scene->material_of[entries[i].value]].alpha_mode != GW_ALPHA_BLEND;
 }
 
 /* Moves the scene's rows into the order of the entries. */
-static gw_code permute(gw_scene *scene, const gw_keyed *entries, size_t count, gw_error *error) {
+static gw_code permute(gw_scene *scene, const gw_keyed *entries, gw_error *error) {
+    const size_t count = scene->triangle_count;
     void *triangles = NULL, *material_of = NULL;
     gw_code code = gw_allocate(&triangles, count, sizeof *scene->triangles, "sorted triangles", error);
     if (code == GW_OK)
@@ -161,12 +156,10 @@ static gw_code permute(gw_scene *scene, const gw_keyed *entries, size_t count, g
     free(scene->material_of);
     scene->triangles = triangles;
     scene->material_of = material_of;
-    scene->dropped.duplicate += scene->triangle_count - count;
-    scene->triangle_count = (uint32_t)count;
     return GW_OK;
 }
 
-gw_code gw_scene_order(gw_scene *scene, const uint32_t *vertices, gw_error *error) {
+gw_code gw_scene_order(gw_scene *scene, const uint32_t *vertices, uint8_t *marked, gw_error *error) {
     const size_t count = scene->triangle_count;
     order self = {.scene = scene, .vertices = vertices};
     gw_keyed *entries = NULL;
@@ -181,7 +174,8 @@ gw_code gw_scene_order(gw_scene *scene, const uint32_t *vertices, gw_error *erro
         code = gw_radix_sort(entries, count, error);
     if (code == GW_OK) {
         sort_equal_codes(entries, count, &self);
-        code = permute(scene, entries, drop_duplicates(&self, entries, count), error);
+        mark_duplicates(&self, entries, count, marked);
+        code = permute(scene, entries, error);
     }
     free(self.material_rank);
     free(entries);

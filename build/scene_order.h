@@ -13,8 +13,9 @@
 enum { GW_VERTEX_WORDS = 10, GW_POSITION_WORDS = 3 };
 
 /* Rotates every triangle so that its least corner comes first (the winding stays), then sorts
- * scene->triangles and scene->material_of by the Morton code of the centroid, then content, and drops
- * duplicates. `vertices` are rows of GW_VERTEX_WORDS that the triangles index. */
-gw_code gw_scene_order(gw_scene *scene, const uint32_t *vertices, gw_error *error);
+ * scene->triangles and scene->material_of by the Morton code of the centroid, then content. `vertices` are
+ * rows of GW_VERTEX_WORDS that the triangles index. marked [triangle_count] becomes 1 for triangles that no
+ * ray can tell from the one before them. */
+gw_code gw_scene_order(gw_scene *scene, const uint32_t *vertices, uint8_t *marked, gw_error *error);
 
 #endif

@@ -48,8 +48,8 @@ while read -r file kept dropped textures; do
     [ -n "$file" ] && scene "out/scenes/$file" "$kept" "$dropped" "$textures"
 done <<'SCENES'
 dragon/dragon_vrip.ply.gz                                            871306 108 0
-dragon/dragon_vrip_res2.ply.gz                                       202434 86 0
-dragon/dragon_vrip_res4.ply.gz                                       10980 122 0
+dragon/dragon_vrip_res2.ply.gz                                       202520 0 0
+dragon/dragon_vrip_res4.ply.gz                                       11102 0 0
 sponza/Sponza_LowPoly.gltf                                           63069 15 0
 testmodels/glTF2/2CylinderEngine-glTF-Binary/2CylinderEngine.glb     110336 11160 0
 testmodels/glTF2/ClearCoat-glTF/ClearCoatTest.gltf                   37116 0 1
@@ -75,7 +75,7 @@ furniture/BlendSwap-CC-BY/blendswap-cc-by/chessboard/chessboard.obj  125698 112 
 furniture/KatorLegaz/katorlegaz/concept-sedan-02/concept-sedan-02.obj 124188 0 0
 furniture/Scopia/scopia/aquarium/aquarium.obj                        5622 0 4
 supertuxkart/candela_city/candela_city.gltf                          430831 778 93
-supertuxkart/ravenbridge_mansion/ravenbridge_mansion.gltf            273157 771 80
+supertuxkart/ravenbridge_mansion/ravenbridge_mansion.gltf            273339 589 80
 SCENES
 echo "1..$number"
 [ -n "${GW_TEST_FOLDER:-}" ] || rm -rf "$folder"

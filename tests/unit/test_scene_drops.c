@@ -2,6 +2,7 @@
 #include "tests/support/check.h"
 
 #include "base/settings.h"
+#include "build/mesh_report.h"
 #include "build/scene.h"
 #include "tests/support/meshes.h"
 
@@ -179,6 +180,34 @@ static void equal_triangles_are_dropped_unless_blended(void **state) {
     }
 }
 
+/* A sphere with a fold: one face again, there and back. The surface is closed with all three, and would not
+ * be if the equal two became one. A whole sphere twice may lose its double: it stays closed. */
+static void closed_surfaces_stay_closed(void **state) {
+    const double centre[3] = {0, 0, 0};
+    (void)state;
+    for (int folded = 0; folded < 2; folded++) {
+        gw_mesh mesh = {0};
+        gw_mesh_report report;
+        gw_mesh_add_sphere(&mesh, centre, 1, 0.1, 12, 6);
+        const size_t faces = mesh.triangle_count;
+        if (folded) {
+            const uint32_t *t = mesh.triangles[30], corners[3] = {t[0], t[1], t[2]};
+            gw_mesh_triangle(&mesh, corners[1], corners[2], corners[0]);
+            gw_mesh_triangle(&mesh, corners[2], corners[1], corners[0]);
+        } else {
+            gw_mesh_add_sphere(&mesh, centre, 1, 0.1, 12, 6);
+        }
+        gw_scene *scene = raw_scene(&mesh, 0);
+        check_ok(gw_scene_finish(scene, mesh.points, &error));
+        assert_int_equal(scene->dropped.duplicate, folded ? 0 : faces);
+        check_ok(gw_mesh_report_make(scene, &report, &error));
+        assert_int_equal(report.closed_components, 1);
+        assert_int_equal(report.closed_triangles, scene->triangle_count);
+        gw_scene_destroy(&scene);
+        gw_mesh_finish(&mesh);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_stray_triangle_does_not_cost_the_model),
@@ -186,6 +215,7 @@ int main(void) {
         cmocka_unit_test(grounds_and_skies_stay),
         cmocka_unit_test(what_has_no_bulk_stays),
         cmocka_unit_test(equal_triangles_are_dropped_unless_blended),
+        cmocka_unit_test(closed_surfaces_stay_closed),
     };
     return cmocka_run_group_tests_name("scene_drops", tests, NULL, NULL);
 }

@@ -45,20 +45,29 @@ vec3 plane_normal = vec3(0.0); // unit
 float double_area = 0.0;
 vec3 moment = vec3(0.0);
 
-// Adds the part of segment p -> q that lies in the box low..high.
-void add_segment(vec3 p, vec3 q, vec3 low, vec3 high, bool exists) {
+// Cuts enter..leave of a segment from p along d to what lies in low..high of one axis.
+void clip_axis(inout float enter, inout float leave, float p, float d, float low, float high) {
+    precise float inverse = gw_reciprocal(abs(d));
+    precise float to_low = (d < 0.0 ? p - low : low - p) * inverse;
+    precise float to_high = (d < 0.0 ? p - high : high - p) * inverse;
+    bool parallel = inverse == 0.0;
+    bool inside = p >= low && p <= high;
+    enter = max(enter, parallel ? 0.0 : min(to_low, to_high));
+    leave = min(leave, parallel ? (inside ? 1.0 : -1.0) : max(to_low, to_high));
+}
+
+// Adds the part of segment p -> q that lies in the box low..high. A segment in the plane of a face lies within the box along
+// that face's axis; -1: no such axis. (`face` is constant wherever this is called, so no branch is left.)
+void add_segment(vec3 p, vec3 q, vec3 low, vec3 high, bool exists, int face) {
     precise vec3 d = q - p;
     float enter = 0.0;
     float leave = exists ? 1.0 : -1.0;
-    for (int axis = 0; axis < 3; ++axis) {
-        precise float inverse = gw_reciprocal(abs(d[axis]));
-        precise float to_low = (d[axis] < 0.0 ? p[axis] - low[axis] : low[axis] - p[axis]) * inverse;
-        precise float to_high = (d[axis] < 0.0 ? p[axis] - high[axis] : high[axis] - p[axis]) * inverse;
-        bool parallel = inverse == 0.0;
-        bool inside = p[axis] >= low[axis] && p[axis] <= high[axis];
-        enter = max(enter, parallel ? 0.0 : min(to_low, to_high));
-        leave = min(leave, parallel ? (inside ? 1.0 : -1.0) : max(to_low, to_high));
-    }
+    if (face != 0)
+        clip_axis(enter, leave, p.x, d.x, low.x, high.x);
+    if (face != 1)
+        clip_axis(enter, leave, p.y, d.y, low.y, high.y);
+    if (face != 2)
+        clip_axis(enter, leave, p.z, d.z, low.z, high.z);
     if (enter >= leave)
         return;
     precise vec3 from = p + d * enter - pivot;
@@ -108,7 +117,7 @@ void add_face(vec3 a, vec3 b, vec3 c, int axis, bool upper, float slack, bvec3 f
     vec3 in_first = enters_ab ? a : enters_bc ? b : c;
     vec3 in_second = enters_ab ? b : enters_bc ? c : a;
     add_segment(face_crossing(out_first, out_second, axis, plane), face_crossing(in_first, in_second, axis, plane), low,
-                high, cut);
+                high, cut, axis);
 }
 
 int wrapped(float coordinate, int size, uint mode) {
@@ -171,18 +180,21 @@ surface_sum triangle_surface(uint triangle, vec3 low, float scale) {
     pivot = foot;
     double_area = 0.0;
     moment = vec3(0.0);
-    add_segment(a, b, vec3(0.0), vec3(1.0), true);
-    add_segment(b, c, vec3(0.0), vec3(1.0), true);
-    add_segment(c, a, vec3(0.0), vec3(1.0), true);
+    add_segment(a, b, vec3(0.0), vec3(1.0), true, -1);
+    add_segment(b, c, vec3(0.0), vec3(1.0), true, -1);
+    add_segment(c, a, vec3(0.0), vec3(1.0), true, -1);
     // Rounding of a crossing grows with the triangle's reach in cells.
     vec3 extreme = max(max(abs(a), abs(b)), abs(c));
     precise float slack = 3.814697265625e-06 * max(max(max(extreme.x, extreme.y), extreme.z), 4.0);
     precise vec3 extent = max(max(a, b), c) - min(min(a, b), c);
     bvec3 flat_axes = lessThanEqual(extent, vec3(2.0 * slack));
-    for (int axis = 0; axis < 3; ++axis) {
-        add_face(a, b, c, axis, false, slack, flat_axes);
-        add_face(a, b, c, axis, true, slack, flat_axes);
-    }
+    // Not a loop: with the axis constant no component is picked at run time.
+    add_face(a, b, c, 0, false, slack, flat_axes);
+    add_face(a, b, c, 0, true, slack, flat_axes);
+    add_face(a, b, c, 1, false, slack, flat_axes);
+    add_face(a, b, c, 1, true, slack, flat_axes);
+    add_face(a, b, c, 2, false, slack, flat_axes);
+    add_face(a, b, c, 2, true, slack, flat_axes);
     // All of it on or beyond an upper face: it belongs to the neighbour.
     bool beyond = any(greaterThanEqual(min(min(a, b), c), vec3(1.0)));
     precise float area = beyond ? 0.0 : max(0.5 * double_area, 0.0);

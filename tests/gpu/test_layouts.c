@@ -71,7 +71,7 @@ static void all_layouts_give_the_same_hits(void **state) {
     (void)state;
     bed b;
     open_bed(&b, "octree_depth=9", 0);
-    gw_counters work[GW_STUDY_ENTRIES];
+    gw_counters work[GW_STUDY_ENTRIES] = {{0}};
     for (uint32_t i = 0; i < GW_STUDY_ENTRIES; ++i) {
         assert_string_equal(b.study.entries[i].skipped.text, "");
         for (int count = 0; count < 1 + has_its_own_kernel(&b, i); ++count) {

@@ -30,6 +30,9 @@
            "any value gives the same pixels at tau 0", "largest fan that the fan rule keeps in one leaf")              \
     GW_ROW(isolation_rule, SWITCH, 1, 0, 1, "", BUILD, "", "small isolated things in coarse voxels against nodes",     \
            "off gives the same pixels at tau 0", "refine leaves whose triangles are a small isolated thing")           \
+    GW_ROW(octree_memory, REAL, 0.0, 0.0, 1000000.0, "", BUILD, "MiB", "memory against tests per ray",                  \
+           "0 gives the same pixels at tau 0",                                                                         \
+           "most that the octree's arrays may take: cells that gain least are not refined; 0: what the driver reads")  \
     GW_ROW(dense_leaf, INTEGER, 64, 0, 65535, "", BUILD, "triangles", "tests per ray in dense cells against memory",   \
            "0 (plain lists) gives the same pixels at tau 0",                                                           \
            "a leaf with more triangles than this has boxes over its list (a small BVH); 0: none has")                  \
@@ -73,8 +76,10 @@
            "tau 0", "half the thickness of the slab by which a flat voxel stands for its surface")                     \
     GW_ROW(voxel_flatness, REAL, 0.95, 0.2, 1.2, "", FRAME, "", "blur of curved voxels against gaps between them",       \
            "tau 0", "agreement of normals from which a voxel is a slab; 0.15 below it, it is a cloud; 1.2: always")     \
-    GW_ROW(fold_agreement, REAL, 0.99, 0.0, 1.0, "", FRAME, "", "leaks of folded voxels against blur of thin plates",    \
+    GW_ROW(fold_agreement, REAL, 0.6, 0.0, 1.0, "", FRAME, "", "leaks of folded voxels against blur of thin plates",    \
            "tau 0", "a two-sided voxel whose normals agree less than this is a fold, not a plate, and never a slab")    \
+    GW_ROW(separated_tau, REAL, 0.5, 0.0, 1.0, "", FRAME, "", "hidden surfaces in voxels against finer voxels", "0",      \
+           "share of tau at which separated voxels stand for their contents; 0.5: one octree level later")             \
     GW_ROW(least_remainder, REAL, 0.00390625, 0.0001, 0.25, "", FRAME, "", "light from behind voxels against steps",     \
            "0.0001", "a ray ends when less than this share of it is left")                                              \
     GW_ROW(texture_filter, CHOICE, 2, 0, 2, "nearest|bilinear|trilinear", FRAME, "", "texture aliasing against fetches", \

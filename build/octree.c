@@ -196,13 +196,27 @@ void gw_octree_builder_finish(gw_octree_builder *builder) {
     gw_payload_inputs_finish(&builder->inputs);
 }
 
-void gw_octree_builder_reset(gw_octree_builder *builder, const gw_scene *scene) {
+void gw_octree_builder_clear(gw_octree_builder *builder) {
     for (uint32_t l = 0; l <= GW_OCTREE_MAXIMUM_DEPTH; ++l)
         builder->levels[l].node_count = builder->levels[l].reference_count = 0;
+    builder->statistics = (gw_octree_statistics){0};
+    builder->budget = (gw_octree_budget){0};
+    builder->least_gain = 0;
+    builder->may_count = 1;
+    builder->counting = 0;
+}
+
+/* Of one node in all arrays that have nodes. */
+static uint64_t node_bytes(const gw_scene *scene) {
+    return sizeof(gw_node) + sizeof(gw_payload) + (gw_octree_emits(scene) ? sizeof(uint32_t) : 0);
+}
+
+void gw_octree_builder_reset(gw_octree_builder *builder, const gw_scene *scene) {
+    gw_octree_builder_clear(builder);
     gw_gl_buffer_finish(&builder->triangles);
     gw_gl_buffer_finish(&builder->topology);
-    builder->statistics = (gw_octree_statistics){0};
     builder->scene = scene;
+    builder->allowance.node_bytes = node_bytes(scene);
 }
 
 void gw_octree_hash(gw_octree *octree) {
@@ -227,7 +241,7 @@ gw_code gw_octree_run(gw_octree_builder *builder, gw_octree *octree, gw_error *e
     double refine_ms, assemble_ms;
     gw_code code = gw_octree_upload(builder, error);
     if (code == GW_OK)
-        code = gw_octree_refine(builder, error);
+        code = gw_octree_refine_within(builder, error);
     if (code != GW_OK)
         return code;
     refine_ms = milliseconds_since(start);
@@ -259,7 +273,14 @@ void gw_octree_builder_init(gw_octree_builder *builder, gw_gl *device, const gw_
                                    .settings = options->settings,
                                    .log = options->log,
                                    .depth = (uint32_t)options->settings->octree_depth,
+                                   .may_count = 1,
                                    .key_last = 1};
+    const double mebibytes = options->settings->octree_memory;
+    const uint64_t driver_texels = (uint64_t)gw_gl_limits_of(device)->texture_buffer_texels;
+    builder->allowance.bytes = mebibytes > 0 ? (uint64_t)(mebibytes * 1048576.0) : UINT64_MAX;
+    builder->allowance.texels =
+        options->texel_limit && options->texel_limit < driver_texels ? options->texel_limit : driver_texels;
+    builder->allowance.node_bytes = scene ? node_bytes(scene) : 0;
     builder->pair_limit = driver_limit < UINT32_MAX / 8 ? driver_limit : UINT32_MAX / 8;
     if (options->part_limit > 0 && options->part_limit < builder->pair_limit)
         builder->pair_limit = options->part_limit;
@@ -318,4 +339,9 @@ uint64_t gw_octree_emission_bytes(const gw_octree *octree) {
 
 uint64_t gw_octree_box_bytes(const gw_octree *octree) {
     return (uint64_t)octree->box_count * sizeof *octree->boxes;
+}
+
+uint64_t gw_octree_bytes(const gw_octree *octree) {
+    return gw_octree_node_bytes(octree) + gw_octree_payload_bytes(octree) +
+           gw_octree_reference_bytes(octree) + gw_octree_emission_bytes(octree) + gw_octree_box_bytes(octree);
 }

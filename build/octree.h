@@ -23,13 +23,15 @@ enum { GW_OCTREE_MAXIMUM_DEPTH = 15 };
 
 /* What the build did: deterministic work counts, and times that are not. */
 typedef struct gw_octree_statistics {
-    uint64_t pairs;            /* (triangle, cell) pairs formed over all levels */
-    uint64_t overlap_tests;    /* triangle against child cell */
-    uint64_t inner, leaves;    /* nodes */
-    uint64_t single_leaves;    /* leaves with one inline triangle */
-    uint64_t stopped_small;    /* leaves by the K rule */
-    uint64_t stopped_fan;      /* leaves by the fan rule */
-    uint64_t stopped_depth;    /* leaves at the depth limit with more than K triangles */
+    uint64_t pairs;          /* (triangle, cell) pairs formed over all levels */
+    uint64_t overlap_tests;  /* triangle against child cell */
+    uint64_t inner, leaves;  /* nodes */
+    uint64_t single_leaves;  /* leaves with one inline triangle */
+    uint64_t stopped_small;  /* leaves by the K rule */
+    uint64_t stopped_fan;    /* leaves by the fan rule */
+    uint64_t stopped_depth;  /* leaves at the depth limit with more than K triangles */
+    uint64_t stopped_budget; /* leaves that the memory budget kept from being refined */
+    uint64_t least_gain; /* of cells that were refined (build/octree_budget.h); 0: all that the rules ask */
     uint64_t refined_isolated; /* cells refined only because of the isolation rule */
     uint64_t dense_leaves;     /* leaves whose list stands under boxes */
     uint32_t longest_list;     /* triangles in the fullest leaf */
@@ -59,6 +61,7 @@ typedef struct gw_octree {
 typedef struct gw_octree_options {
     const gw_settings *settings;
     uint64_t part_limit;
+    uint64_t texel_limit; /* rows of one array (0: what the driver reads); for tests as well */
     const gw_log *log;
 } gw_octree_options;
 
@@ -96,5 +99,6 @@ uint64_t gw_octree_payload_bytes(const gw_octree *octree);
 uint64_t gw_octree_reference_bytes(const gw_octree *octree);
 uint64_t gw_octree_emission_bytes(const gw_octree *octree); /* 0 without emission */
 uint64_t gw_octree_box_bytes(const gw_octree *octree);      /* 0 without dense leaves */
+uint64_t gw_octree_bytes(const gw_octree *octree);          /* all of them together */
 
 #endif

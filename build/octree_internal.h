@@ -4,6 +4,7 @@
 #define GW_BUILD_OCTREE_INTERNAL_H
 
 #include "build/octree.h"
+#include "build/octree_budget.h"
 
 #include <stddef.h>
 #include <stdint.h>
@@ -37,6 +38,11 @@ typedef struct gw_octree_builder {
     gw_payload_inputs inputs; /* made when they are first asked for */
     gw_octree_level levels[GW_OCTREE_MAXIMUM_DEPTH + 1];
     gw_octree_statistics statistics;
+    gw_octree_budget budget; /* of the cells that it owns */
+    gw_octree_allowance allowance;
+    uint64_t least_gain;          /* cells of less are not refined */
+    int may_count;                /* 1: what does not fit is counted and not kept */
+    int counting;                 /* 1: so it was; the levels below the split level are empty */
     uint32_t split_level;         /* level at which the cells of parts lie */
     uint64_t key_first, key_last; /* this builder's cells there: Morton numbers [first, last) */
 } gw_octree_builder;
@@ -53,8 +59,13 @@ void gw_octree_builder_init(gw_octree_builder *builder, gw_gl *device, const gw_
                             const gw_octree_options *options);
 void gw_octree_builder_finish(gw_octree_builder *builder);
 
+/* Makes it ready to refine once more. */
+void gw_octree_builder_clear(gw_octree_builder *builder);
+
 /* Makes it ready for another build, of the same scene in another pose; keeps inputs and the levels' room. */
 void gw_octree_builder_reset(gw_octree_builder *builder, const gw_scene *scene);
+/* Nothing when they are there. */
+gw_code gw_payload_inputs_make(gw_octree_builder *builder, gw_error *error);
 void gw_payload_inputs_finish(gw_payload_inputs *inputs);
 
 /* All stages of a build of the whole tree, into an empty octree or one that is built again. */
@@ -67,8 +78,28 @@ gw_code gw_octree_allocate(gw_octree *octree, gw_error *error);
 /* Uploads triangles and topology. */
 gw_code gw_octree_upload(gw_octree_builder *builder, gw_error *error);
 
-/* Fills levels 0..depth of builder->levels. */
+/* Fills levels 0..depth of builder->levels by builder->least_gain, or counts only. */
 gw_code gw_octree_refine(gw_octree_builder *builder, gw_error *error);
+
+/* A run of cells of one level that has been refined, as the kernels leave it. */
+typedef struct gw_octree_refined {
+    uint32_t level, cell_count, child_count;
+    const uint32_t *pairs;         /* [cell_count] */
+    const uint32_t *nodes;         /* [cell_count] in the level */
+    const uint32_t (*children)[4]; /* link or, of inner ones, pairs; bits; cell */
+    const uint32_t (*parents)[2];  /* first child */
+    uint32_t reference_end;        /* where the last list of the children ends */
+} gw_octree_refined;
+
+/* Notes in builder->budget what refining the cells adds to the tree. An inner child counts as a leaf: what
+ * refining it adds is noted then. */
+void gw_octree_note(gw_octree_builder *builder, const gw_octree_refined *refined);
+
+/* The same for the whole tree within the memory budget: again with a greater least_gain if need be. */
+gw_code gw_octree_refine_within(gw_octree_builder *builder, gw_error *error);
+
+/* Whether a material that some triangle has emits light. */
+int gw_octree_emits(const gw_scene *scene);
 
 /* Joins the levels into octree's arrays (nodes, references, level_begin); payloads are allocated and zero. */
 gw_code gw_octree_assemble(const gw_octree_builder *builder, gw_octree *octree, gw_error *error);

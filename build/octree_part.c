@@ -22,6 +22,8 @@ typedef struct header {
     uint64_t sum_bytes; /* of one node */
     uint32_t nodes[LEVELS], references[LEVELS];
     gw_octree_statistics statistics;
+    gw_octree_budget budget;
+    uint32_t counting, unused; /* 1: the part alone does not fit the memory budget; it has no nodes */
     gw_block_span sections[SECTION_COUNT];
 } header;
 
@@ -138,7 +140,10 @@ static gw_code pack(maker *m, gw_octree_part *out, gw_error *error) {
     head->depth = m->builder.depth;
     head->split_level = m->builder.split_level;
     head->statistics = m->octree->statistics;
-    count_owned(m);
+    head->budget = m->builder.budget;
+    head->counting = (uint32_t)m->builder.counting;
+    if (!head->counting)
+        count_owned(m);
     section_sizes(head, m->octree->emissions != NULL, sizes);
     for (int i = 0; i < SECTION_COUNT; i++)
         head->sections[i].size = sizes[i];
@@ -149,7 +154,7 @@ static gw_code pack(maker *m, gw_octree_part *out, gw_error *error) {
     out->size = (size_t)head->head.size;
     memcpy(out->data, head, sizeof *head);
     cursors c = begin_of(out->data, head);
-    for (uint32_t l = 0; l <= m->builder.depth; ++l) {
+    for (uint32_t l = 0; l <= m->builder.depth && !head->counting; ++l) {
         const gw_octree_level *level = &m->builder.levels[l];
         if (l <= m->builder.split_level) {
             append_owned(m, &c, l);
@@ -171,6 +176,9 @@ static gw_code run_part(maker *m, gw_octree_part *out, gw_error *error) {
         return code;
     double refine_ms = (double)(gw_now_ns() - start) * 1e-6;
     m->octree->statistics = m->builder.statistics;
+    m->head.sum_bytes = 1;
+    if (m->builder.counting)
+        return pack(m, out, error);
     code = gw_octree_assemble(&m->builder, m->octree, error);
     uint32_t split = m->builder.split_level, deepest = m->octree->statistics.deepest;
     const gw_payload_range range = {.deepest = deepest > split ? deepest : split,
@@ -220,6 +228,25 @@ gw_octree_statistics gw_octree_part_statistics(const gw_octree_part *part) {
 
 /* --- joining
  * ----------------------------------------------------------------------------------------------------- */
+
+int gw_octree_parts_fit(gw_gl *device, const gw_scene *scene, const gw_octree_options *options,
+                        const gw_octree_part *parts, uint32_t count) {
+    gw_octree_builder builder;
+    int counting = 0;
+    gw_octree_builder_init(&builder, device, scene, options);
+    for (uint32_t p = 0; p < count; ++p) {
+        header head;
+        if (parts[p].size < sizeof head)
+            continue; /* joining says what is wrong with it */
+        memcpy(&head, parts[p].data, sizeof head);
+        gw_octree_budget_join(&builder.budget, &head.budget);
+        counting |= head.counting != 0;
+    }
+    const gw_octree_rows rows = gw_octree_budget_rows(&builder.budget, 0);
+    const int fit = !counting && gw_octree_rows_fit(&rows, &builder.allowance);
+    gw_octree_builder_finish(&builder);
+    return fit;
+}
 
 static gw_code damaged(gw_error *error, const char *why) {
     return gw_fail(error, GW_BAD_INPUT, "%s is damaged (%s); start again", what, why);
@@ -338,6 +365,7 @@ static void add_statistics(gw_octree_statistics *sum, const gw_octree_statistics
     sum->stopped_small += part->stopped_small;
     sum->stopped_fan += part->stopped_fan;
     sum->stopped_depth += part->stopped_depth;
+    sum->stopped_budget += part->stopped_budget;
     sum->refined_isolated += part->refined_isolated;
     sum->parts += part->parts;
     for (int i = 0; i < 3; ++i) /* parts are built side by side: the slowest counts */

@@ -45,6 +45,11 @@ gw_code gw_octree_build_part(gw_gl *device, const gw_scene *scene, const gw_octr
                              const gw_octree_division *division, uint32_t part, gw_octree_part *out,
                              gw_error *error);
 
+/* Whether the joined octree keeps the memory budget. One that does not has parts that cannot be joined, and
+ * is built by gw_octree_build, which finds the cells that are not refined. */
+int gw_octree_parts_fit(gw_gl *device, const gw_scene *scene, const gw_octree_options *options,
+                        const gw_octree_part *parts, uint32_t count);
+
 /* parts[division->part_count], in order. Checks the blocks: GW_BAD_INPUT when one is not what
  * gw_octree_build_part made for this division. */
 gw_code gw_octree_join(gw_gl *device, const gw_scene *scene, const gw_octree_options *options,

@@ -138,8 +138,7 @@ static gw_code upload_thresholds(payload_stage *stage, gw_error *error) {
                                &stage->builder->inputs.thresholds, error);
 }
 
-/* Whether a material that some triangle has emits light. */
-static int scene_emits(const gw_scene *scene) {
+int gw_octree_emits(const gw_scene *scene) {
     for (uint32_t t = 0; t < scene->triangle_count; ++t) {
         const float *emissive = scene->materials[scene->material_of[t]].emissive;
         if (emissive[0] > 0 || emissive[1] > 0 || emissive[2] > 0)
@@ -164,22 +163,25 @@ static int sum_rows(int seed, int emits) {
     return (seed ? 4 : 6) + (emits ? 1 : 0);
 }
 
-static gw_code upload_inputs(payload_stage *stage, gw_error *error) {
-    gw_code code = upload_faces(stage, error);
+gw_code gw_payload_inputs_make(gw_octree_builder *builder, gw_error *error) {
+    payload_stage stage = {.builder = builder};
+    if (builder->inputs.ready)
+        return GW_OK;
+    gw_code code = upload_faces(&stage, error);
     if (code == GW_OK)
-        code = upload_materials(stage, error);
+        code = upload_materials(&stage, error);
     if (code == GW_OK)
-        code = upload_thresholds(stage, error);
+        code = upload_thresholds(&stage, error);
     if (code == GW_OK)
-        stage->builder->inputs.ready = 1;
+        builder->inputs.ready = 1;
     else
-        gw_payload_inputs_finish(&stage->builder->inputs);
+        gw_payload_inputs_finish(&builder->inputs);
     return code;
 }
 
 static gw_code start_stage(payload_stage *stage, gw_error *error) {
     gw_gl *device = stage->builder->device;
-    int emits = scene_emits(stage->builder->scene);
+    int emits = gw_octree_emits(stage->builder->scene);
     int seed = stage->builder->settings->payload_rule == GW_PAYLOAD_SEED;
     char common[64], defines[192];
     snprintf(common, sizeof common, "%s%s", emits ? "#define GW_EMISSION 1\n" : "",
@@ -203,7 +205,7 @@ static gw_code start_stage(payload_stage *stage, gw_error *error) {
                                    stage->octree->references, GL_R32UI, &stage->references, error);
     if (code == GW_OK)
         code = upload_vertices(stage, error);
-    return code == GW_OK && !stage->builder->inputs.ready ? upload_inputs(stage, error) : code;
+    return code == GW_OK ? gw_payload_inputs_make(stage->builder, error) : code;
 }
 
 /* The sums of nodes [first, first + count) of the level as storage binding 0. */

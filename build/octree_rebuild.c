@@ -36,7 +36,10 @@ gw_code gw_octree_rebuild(gw_octree_rebuilder *rebuilder, const gw_scene *scene,
                           gw_error *error) {
     *out = NULL;
     gw_octree_builder_reset(&rebuilder->builder, scene);
-    gw_code code = gw_octree_run(&rebuilder->builder, rebuilder->octree, error);
+    /* First of all, so that every round over the same poses asks for the same buffers in the same order. */
+    gw_code code = gw_payload_inputs_make(&rebuilder->builder, error);
+    if (code == GW_OK)
+        code = gw_octree_run(&rebuilder->builder, rebuilder->octree, error);
     if (code != GW_OK)
         return gw_context(error, "cannot rebuild the octree of '%s'", scene->path ? scene->path : "scene");
     *out = rebuilder->octree;

@@ -8,7 +8,7 @@
 
 /* Numbers that shaders/build/refine.glsl declares for the GPU side. */
 enum { PAIRS_PER_BLOCK = 512, PAIRS_PER_THREAD = 8, SLOTS_PER_BLOCK = 256, GROUP = 64 };
-enum { REASON_SMALL = 1, REASON_FAN, REASON_DEPTH, REASON_ISOLATED };
+enum { REASON_SMALL = 1, REASON_FAN, REASON_DEPTH, REASON_ISOLATED, REASON_BUDGET };
 /* A pair goes to 2.3 children on average; windows are cut so that three times as many fit. */
 enum { EXPECTED_GROWTH = 3 };
 /* Bytes of the widest per-cell buffer: eight slots of a uvec4. */
@@ -42,7 +42,8 @@ typedef struct part {
     uint32_t level;
     uint32_t cell_count, pair_count;
     gw_gl_buffer cells, pairs;
-    uint32_t *node_of; /* [cell_count] index of the cell's node in its level */
+    uint32_t *node_of;  /* [cell_count] index of the cell's node in its level */
+    uint32_t *pairs_of; /* [cell_count] */
 } part;
 
 typedef struct window {
@@ -61,7 +62,8 @@ static void finish_part(part *p) {
     gw_gl_buffer_finish(&p->cells);
     gw_gl_buffer_finish(&p->pairs);
     free(p->node_of);
-    p->node_of = NULL;
+    free(p->pairs_of);
+    p->node_of = p->pairs_of = NULL;
 }
 
 static void finish_scratch(scratch *s) {
@@ -197,6 +199,8 @@ static gw_code classify_slots(gw_octree_builder *builder, const part *p, const w
     glProgramUniform1ui(program, LOCATION_STAGE + 1, settings->fan_rule ? (GLuint)settings->fan_cap : 0);
     glProgramUniform1ui(program, LOCATION_STAGE + 2, (GLuint)settings->isolation_rule);
     glProgramUniform1ui(program, LOCATION_STAGE + 3, p->level + 1 == builder->depth);
+    glProgramUniform1ui(program, LOCATION_STAGE + 4,
+                        gw_octree_least_pairs(builder->least_gain, p->level + 1));
     gw_gl_texture_bind(&builder->triangles, 0);
     gw_gl_texture_bind(&builder->topology, 1);
     gw_gl_texture_bind(&s->pairs_out, 3);
@@ -284,18 +288,27 @@ static void count_node(gw_octree_statistics *statistics, uint32_t class_bits) {
     case REASON_ISOLATED:
         statistics->refined_isolated++;
         break;
+    case REASON_BUDGET:
+        statistics->stopped_budget++;
+        break;
     default:
         break;
     }
 }
 
-/* Appends the children that `data` holds ([count][4]: link, bits, cell) to the level and lists the inner ones
- * in node_of. */
+/* Levels that are kept also when the rest is only counted. */
+static int is_kept(const gw_octree_builder *builder, uint32_t level) {
+    return !builder->counting || level <= builder->split_level;
+}
+
+/* Appends the children that `data` holds ([count][4]: link or, of inner ones, pairs; bits; cell) to the level
+ * and lists the inner ones in part. */
 static gw_code append_nodes(gw_octree_builder *builder, uint32_t at_level, const uint32_t (*data)[4],
-                            uint32_t count, uint32_t *node_of, gw_error *error) {
+                            uint32_t count, part *inner, gw_error *error) {
     gw_octree_level *level = &builder->levels[at_level];
-    size_t needed = level->node_count + count;
-    uint32_t inner = 0;
+    const int kept = is_kept(builder, at_level);
+    size_t needed = kept ? level->node_count + count : 0;
+    uint32_t inner_count = 0;
     if (needed > UINT32_MAX / 2)
         return gw_fail(error, GW_MACHINE,
                        "octree level %" PRIu32 " needs %zu nodes, more than 2^31; lower octree_depth",
@@ -310,13 +323,17 @@ static gw_code append_nodes(gw_octree_builder *builder, uint32_t at_level, const
     for (uint32_t i = 0; i < count; ++i) {
         size_t at = level->node_count + i;
         uint32_t class_bits = data[i][1] >> 16;
-        level->nodes[at] = (gw_node){data[i][0], (class_bits & 0xfu) << 16};
-        level->cells[at][0] = data[i][2];
-        level->cells[at][1] = data[i][3];
-        if ((class_bits & 0xfu) == GW_KIND_INNER)
-            node_of[inner++] = (uint32_t)at;
-        if (gw_octree_owns(builder, at_level, level->cells[at]))
+        const int is_inner = (class_bits & 0xfu) == GW_KIND_INNER;
+        if (is_inner) {
+            inner->pairs_of[inner_count] = data[i][0];
+            inner->node_of[inner_count++] = (uint32_t)at;
+        }
+        if (gw_octree_owns(builder, at_level, &data[i][2]))
             count_node(&builder->statistics, class_bits);
+        if (!kept)
+            continue;
+        level->nodes[at] = (gw_node){is_inner ? 0 : data[i][0], (class_bits & 0xfu) << 16};
+        memcpy(level->cells[at], &data[i][2], sizeof level->cells[at]);
     }
     level->node_count = needed;
     return GW_OK;
@@ -340,11 +357,38 @@ static gw_code append_references(gw_octree_level *level, const gw_gl_buffer *buf
     return code;
 }
 
-/* Reads a window's results back and links parents to children. */
+/* From here on the tree is only counted: it does not fit. */
+static void stop_keeping(gw_octree_builder *builder) {
+    builder->counting = 1;
+    for (uint32_t l = builder->split_level + 1; l <= GW_OCTREE_MAXIMUM_DEPTH; ++l) {
+        gw_octree_level *level = &builder->levels[l];
+        free(level->nodes);
+        free(level->cells);
+        free(level->references);
+        *level = (gw_octree_level){0};
+    }
+}
+
+static gw_code keep_window(gw_octree_builder *builder, const part *p, const window *w, const scratch *s,
+                           const uint32_t totals[4], const uint32_t (*parents)[2], uint32_t first_child,
+                           gw_error *error) {
+    gw_code code = GW_OK;
+    if (is_kept(builder, p->level + 1))
+        code = append_references(&builder->levels[p->level + 1], &s->references, totals[3], error);
+    for (uint32_t i = 0; code == GW_OK && is_kept(builder, p->level) && i < w->cell_count; ++i) {
+        gw_node *node = &builder->levels[p->level].nodes[p->node_of[w->cell_first + i]];
+        node->link = first_child + parents[i][0];
+        node->bits |= parents[i][1];
+    }
+    return code;
+}
+
+/* Reads a window's results back, links parents to children and notes what they take. */
 static gw_code collect(gw_octree_builder *builder, const part *p, const window *w, const scratch *s,
                        const uint32_t totals[4], part *next, gw_error *error) {
     gw_octree_level *below = &builder->levels[p->level + 1];
-    uint32_t first_child = (uint32_t)below->node_count;
+    const uint32_t first_child = (uint32_t)below->node_count;
+    const size_t reference_end = below->reference_count + totals[3];
     uint32_t(*children)[4] = NULL;
     uint32_t(*parents)[2] = NULL;
     gw_code code = gw_allocate((void **)&children, totals[0], sizeof *children, "children", error);
@@ -354,18 +398,31 @@ static gw_code collect(gw_octree_builder *builder, const part *p, const window *
         code = gw_allocate((void **)&next->node_of, next->cell_count, sizeof *next->node_of, "inner nodes",
                            error);
     if (code == GW_OK)
+        code = gw_allocate((void **)&next->pairs_of, next->cell_count, sizeof *next->pairs_of, "inner nodes",
+                           error);
+    if (code == GW_OK)
         code = gw_gl_buffer_read(&s->children, 0, (size_t)totals[0] * 16, children, error);
     if (code == GW_OK)
         code = gw_gl_buffer_read(&s->parents, 0, (size_t)w->cell_count * 8, parents, error);
     if (code == GW_OK)
-        code = append_nodes(builder, p->level + 1, (const uint32_t(*)[4])children, totals[0], next->node_of,
-                            error);
+        code = append_nodes(builder, p->level + 1, (const uint32_t(*)[4])children, totals[0], next, error);
     if (code == GW_OK)
-        code = append_references(below, &s->references, totals[3], error);
-    for (uint32_t i = 0; code == GW_OK && i < w->cell_count; ++i) {
-        gw_node *node = &builder->levels[p->level].nodes[p->node_of[w->cell_first + i]];
-        node->link = first_child + parents[i][0];
-        node->bits |= parents[i][1];
+        code = keep_window(builder, p, w, s, totals, (const uint32_t(*)[2])parents, first_child, error);
+    if (code == GW_OK) {
+        const gw_octree_refined refined = {
+            .level = p->level,
+            .cell_count = w->cell_count,
+            .child_count = totals[0],
+            .pairs = p->pairs_of + w->cell_first,
+            .children = (const uint32_t(*)[4])children,
+            .parents = (const uint32_t(*)[2])parents,
+            .nodes = p->node_of + w->cell_first,
+            .reference_end = (uint32_t)reference_end,
+        };
+        gw_octree_note(builder, &refined);
+        const gw_octree_rows rows = gw_octree_budget_rows(&builder->budget, 0);
+        if (builder->may_count && !builder->counting && !gw_octree_rows_fit(&rows, &builder->allowance))
+            stop_keeping(builder);
     }
     free(children);
     free(parents);
@@ -500,16 +557,18 @@ static gw_code make_root(gw_octree_builder *builder, part *root, gw_error *error
     uint32_t count = builder->scene->triangle_count;
     uint32_t cell[4] = {0, 0, 0, count};
     uint32_t(*pairs)[2] = NULL;
-    uint32_t child[1][4] = {{0, GW_KIND_INNER, 0, 0}};
+    uint32_t child[1][4] = {{count, GW_KIND_INNER, 0, 0}};
     root->cell_count = 1;
     root->pair_count = count;
     gw_code code = gw_allocate((void **)&pairs, count, sizeof *pairs, "triangle list", error);
     if (code == GW_OK)
         code = gw_allocate((void **)&root->node_of, 1, sizeof *root->node_of, "root", error);
+    if (code == GW_OK)
+        code = gw_allocate((void **)&root->pairs_of, 1, sizeof *root->pairs_of, "root", error);
     for (uint32_t i = 0; code == GW_OK && i < count; ++i)
         pairs[i][0] = i;
     if (code == GW_OK)
-        code = append_nodes(builder, 0, (const uint32_t(*)[4])child, 1, root->node_of, error);
+        code = append_nodes(builder, 0, (const uint32_t(*)[4])child, 1, root, error);
     if (code == GW_OK)
         code = gw_gl_buffer_create(builder->device, "root cell", sizeof cell, cell, GL_RGBA32UI, &root->cells,
                                    error);
@@ -526,6 +585,7 @@ gw_code gw_octree_refine(gw_octree_builder *builder, gw_error *error) {
     uint64_t cell_bytes = (uint64_t)gw_gl_limits_of(builder->device)->storage_block_bytes / BYTES_PER_CELL;
     builder->cell_limit = cell_bytes < UINT32_MAX / 16 ? cell_bytes : UINT32_MAX / 16;
     builder->statistics.parts = 1;
+    builder->statistics.least_gain = builder->least_gain;
     if (builder->scene->triangle_count > builder->pair_limit)
         return gw_fail(error, GW_MACHINE,
                        "the scene has %" PRIu32 " triangles, this driver's buffers hold %" PRIu64

@@ -30,7 +30,7 @@ static void put_statistics(const gw_octree_statistics *s, uint64_t out[STATISTIC
     const uint64_t values[] = {
         s->pairs,         s->overlap_tests, s->inner,         s->leaves,           s->single_leaves,
         s->stopped_small, s->stopped_fan,   s->stopped_depth, s->refined_isolated, s->longest_list,
-        s->deepest,       s->parts,         s->dense_leaves};
+        s->deepest,       s->parts,         s->dense_leaves,  s->stopped_budget,   s->least_gain};
     memcpy(out, values, sizeof values);
 }
 
@@ -45,6 +45,8 @@ static void get_statistics(const uint64_t in[STATISTICS], gw_octree_statistics *
     s->deepest = (uint32_t)in[WIDE + 1];
     s->parts = (uint32_t)in[WIDE + 2];
     s->dense_leaves = in[WIDE + 3];
+    s->stopped_budget = in[WIDE + 4];
+    s->least_gain = in[WIDE + 5];
 }
 
 static void make_header(const gw_octree *octree, header *head) {

@@ -12,7 +12,8 @@
  *   48   4    references
  *   52   68   first node of each level, 17 numbers of 4 bytes
  *   120  128  16 statistics of 8 bytes: pairs, overlap tests, inner, leaves, single leaves, leaves by K, by fan, by depth,
- *             cells refined as isolated, longest list, deepest level, parts, dense leaves, and three zeros
+ *             cells refined as isolated, longest list, deepest level, parts, dense leaves, leaves by the
+ *             memory budget, least gain, and a zero
  *   248       offset and size, 8 bytes each, of the sections, which follow at multiples of 64: nodes (8 bytes each),
  *             payloads (12), references (4), emissions (4 a node; empty where nothing emits light), boxes of dense leaves (32)
  */

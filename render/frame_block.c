@@ -82,9 +82,10 @@ static gw_code check(const gw_plane *plane, const gw_frame_state *state, gw_erro
         return gw_fail(error, GW_BAD_INPUT, "frame %u: the plane's corner or steps are not finite",
                        state->frame);
     const float knobs[] = {
-        state->tau,         state->tau_inside,     state->gaze_margin,       state->gaze_blend,
-        state->gaze_growth, state->gaze_latency,   state->gaze_growth_limit, state->acuity_slope,
-        state->voxel_slab,  state->voxel_flatness, state->fold_agreement,    state->least_remainder};
+        state->tau,          state->tau_inside,     state->gaze_margin,       state->gaze_blend,
+        state->gaze_growth,  state->gaze_latency,   state->gaze_growth_limit, state->acuity_slope,
+        state->voxel_slab,   state->voxel_flatness, state->fold_agreement,    state->least_remainder,
+        state->separated_tau};
     for (size_t i = 0; i < sizeof knobs / sizeof knobs[0]; ++i)
         if (!isfinite(knobs[i]) || knobs[i] < 0.0f)
             return gw_fail(error, GW_BAD_INPUT,
@@ -175,6 +176,7 @@ gw_code gw_frame_block_fill(const gw_scene *scene, const gw_octree *octree, cons
     block->acuity[3] = state->voxel_flatness;
     block->ambient[3] = state->fold_agreement;
     block->background[3] = state->least_remainder;
+    block->step_y[3] = state->separated_tau;
     block->acuity[1] = (float)smallest_period;
     fill_samples(state, block);
     uint32_t gazes = state->gaze_count < GW_MAXIMUM_VIEWERS ? state->gaze_count : GW_MAXIMUM_VIEWERS;

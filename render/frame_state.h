@@ -27,7 +27,7 @@ typedef struct gw_frame_state {
     gw_gaze gazes[GW_MAXIMUM_VIEWERS];
     /* Knobs of the FRAME stage, as floats (settings.h says what they mean). */
     float tau, tau_inside, gaze_margin, gaze_blend, gaze_growth, gaze_latency, gaze_growth_limit,
-        acuity_slope, voxel_slab, voxel_flatness, fold_agreement, least_remainder;
+        acuity_slope, voxel_slab, voxel_flatness, fold_agreement, least_remainder, separated_tau;
     uint8_t geometry, level_blend, leaf_blend, texture_filter, triangle_precision;
     uint8_t debug;        /* gw_debug_view */
     uint8_t sample_block; /* log2 of the side of the largest sample block, 0..3 */

@@ -44,9 +44,7 @@ static void report_columns(gw_bench *bench, const double *rows, uint32_t count, 
     }
     const gw_octree *octree = bench->model.octree;
     double triangles = bench->model.scene->triangle_count;
-    double bytes = (double)(gw_octree_node_bytes(octree) +
-                            (gw_octree_payload_bytes(octree) + gw_octree_emission_bytes(octree)) +
-                            gw_octree_reference_bytes(octree));
+    double bytes = (double)gw_octree_bytes(octree);
     json_object_set_new(bench->report, "bench",
                         json_pack("{s:s, s:i, s:o, s:f, s:f}", "name", "build", "repeats", (int)count,
                                   "times", times, "ms_per_million_triangles",
@@ -87,11 +85,7 @@ static void print_summary(const gw_bench *bench, const gw_spread spreads[COLUMNS
     printf("  %.0f ms a million triangles; %.2f pairs and %.2f overlap tests a triangle; %.0f bytes a "
            "triangle\n",
            spreads[0].median / (triangles * 1e-6), (double)s->pairs / triangles,
-           (double)s->overlap_tests / triangles,
-           (double)(gw_octree_node_bytes(octree) +
-                    (gw_octree_payload_bytes(octree) + gw_octree_emission_bytes(octree)) +
-                    gw_octree_reference_bytes(octree)) /
-               triangles);
+           (double)s->overlap_tests / triangles, (double)gw_octree_bytes(octree) / triangles);
 }
 
 gw_code gw_bench_build(gw_bench *bench, gw_error *error) {

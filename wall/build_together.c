@@ -180,6 +180,15 @@ static gw_code collect(gw_gl *device, const gw_scene *scene, const gw_together_o
     return code;
 }
 
+static gw_code build_alone(gw_gl *device, const gw_scene *scene, const gw_together_options *options,
+                           gw_octree **octree, gw_together *who, gw_error *error) {
+    gw_octree_options how = {.settings = options->settings, .log = options->log};
+    gw_code code = gw_octree_build(device, scene, &how, octree, error);
+    if (!code)
+        who->overlap_tests[0] = (*octree)->statistics.overlap_tests;
+    return code;
+}
+
 static gw_code build_and_join(gw_gl *device, const gw_scene *scene, const gw_together_options *options,
                               const gw_octree_division *division, const plan *p, gw_octree **octree,
                               gw_together *who, gw_error *error) {
@@ -188,21 +197,18 @@ static gw_code build_and_join(gw_gl *device, const gw_scene *scene, const gw_tog
     gw_code code = gw_allocate((void **)&parts, p->part_count, sizeof *parts, "parts of the octree", error);
     if (!code)
         code = collect(device, scene, options, division, p, parts, who, error);
-    if (!code)
+    int fit = !code && gw_octree_parts_fit(device, scene, &how, parts, p->part_count);
+    if (fit)
         code = gw_octree_join(device, scene, &how, division, parts, octree, error);
     for (uint32_t i = 0; parts && i < p->part_count; i++)
         free(parts[i].data);
     free(parts);
-    return code;
-}
-
-static gw_code build_alone(gw_gl *device, const gw_scene *scene, const gw_together_options *options,
-                           gw_octree **octree, gw_together *who, gw_error *error) {
-    gw_octree_options how = {.settings = options->settings, .log = options->log};
-    gw_code code = gw_octree_build(device, scene, &how, octree, error);
-    if (!code)
-        who->overlap_tests[0] = (*octree)->statistics.overlap_tests;
-    return code;
+    if (code || fit)
+        return code;
+    gw_log_write(options->log, GW_LOG_INFO,
+                 "the parts of the octree are more than the memory budget: rank 0 builds it within that");
+    *who = (gw_together){.part_count = 1, .ranks = {0}};
+    return build_alone(device, scene, options, octree, who, error);
 }
 
 gw_code gw_build_together(gw_gl *device, const gw_scene *scene, const gw_together_options *options,

@@ -135,9 +135,7 @@ gw_code gw_conductor_describe(gw_conductor *conductor, const struct gw_rank *ran
                                       " materials, %" PRIu32 " textures",
                                       scene->path, scene->triangle_count, gw_dropped_total(&scene->dropped),
                                       scene->material_count, scene->texture_count);
-    double bytes = (double)(gw_octree_node_bytes(octree) +
-                            (gw_octree_payload_bytes(octree) + gw_octree_emission_bytes(octree)) +
-                            gw_octree_reference_bytes(octree));
+    double bytes = (double)gw_octree_bytes(octree);
     conductor->octree_line = make_text(
         "depth %" PRIu32 ", %" PRIu32 " nodes, %.1f MiB, built in %.2f s on %s, one copy for %d rank%s",
         octree->depth, octree->node_count, bytes / 1048576.0, model->build_ms * 1e-3, limits->renderer,

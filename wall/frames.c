@@ -32,6 +32,7 @@ static const float_field float_fields[] = {
     {"voxel_flatness", offsetof(gw_frame_state, voxel_flatness), 1.2},
     {"fold_agreement", offsetof(gw_frame_state, fold_agreement), 1},
     {"least_remainder", offsetof(gw_frame_state, least_remainder), 0.25},
+    {"separated_tau", offsetof(gw_frame_state, separated_tau), 1},
 };
 
 typedef struct byte_field {

@@ -125,15 +125,16 @@ void gw_report_scene(json_t *report, const gw_scene *scene, double import_ms) {
 }
 
 static json_t *statistics_of(const gw_octree_statistics *s) {
-    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:{s:f, s:f, s:f, s:f}}",
-                     "pairs", count(s->pairs), "overlap_tests", count(s->overlap_tests), "inner",
-                     count(s->inner), "single_leaves", count(s->single_leaves), "stopped_small",
-                     count(s->stopped_small), "stopped_fan", count(s->stopped_fan), "stopped_depth",
-                     count(s->stopped_depth), "refined_isolated", count(s->refined_isolated), "dense_leaves",
-                     count(s->dense_leaves), "longest_list", count(s->longest_list), "deepest",
-                     count(s->deepest), "parts", count(s->parts), "phases_ms", "refinement",
-                     s->milliseconds[0], "leaf_payload", s->milliseconds[1], "inner_payload",
-                     s->milliseconds[2], "assembly", s->milliseconds[3]);
+    return json_pack(
+        "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:{s:f, s:f, s:f, s:f}}",
+        "pairs", count(s->pairs), "overlap_tests", count(s->overlap_tests), "inner", count(s->inner),
+        "single_leaves", count(s->single_leaves), "stopped_small", count(s->stopped_small), "stopped_fan",
+        count(s->stopped_fan), "stopped_depth", count(s->stopped_depth), "stopped_budget",
+        count(s->stopped_budget), "least_gain", count(s->least_gain), "refined_isolated",
+        count(s->refined_isolated), "dense_leaves", count(s->dense_leaves), "longest_list",
+        count(s->longest_list), "deepest", count(s->deepest), "parts", count(s->parts), "phases_ms",
+        "refinement", s->milliseconds[0], "leaf_payload", s->milliseconds[1], "inner_payload",
+        s->milliseconds[2], "assembly", s->milliseconds[3]);
 }
 
 uint64_t gw_triangle_bytes(const gw_scene *scene) {

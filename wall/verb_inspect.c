@@ -183,6 +183,8 @@ static void print_octree(const gw_octree *t, const gw_scene *scene, double build
     printf("    leaves because few triangles %" PRIu64 ", one shared vertex %" PRIu64 ", depth limit %" PRIu64
            "; longest list %" PRIu32 "\n",
            s->stopped_small, s->stopped_fan, s->stopped_depth, s->longest_list);
+    if (s->least_gain > 0)
+        printf("    memory budget  %" PRIu64 " leaves that the rules would refine\n", s->stopped_budget);
     if (s->dense_leaves > 0)
         printf("    dense          %" PRIu64 " leaves with %" PRIu32 " boxes over their lists\n",
                s->dense_leaves, t->box_count);

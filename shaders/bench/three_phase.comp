@@ -41,6 +41,7 @@ void leave_child(int s) {
 void test_bounded(uvec2 leaf) {
     bool single = GW_NODE_KIND(leaf.y) == GW_LEAF_SINGLE;
     vec3 corner = vec3((cell >> scale) << scale), upper = corner + float(1 << scale);
+    list_cursor = list_cursor == 0u ? leaf.x : list_cursor;
     list_ended = false;
     while (!list_ended && iterations < LOOP_BUDGET) {
         ++iterations;
@@ -92,7 +93,6 @@ void traverse() {
             }
         }
         if (found) {
-            list_cursor = list_cursor == 0u ? leaf.x : list_cursor;
             TEST_LEAF(leaf);
             if (list_ended) {
                 list_cursor = 0u;

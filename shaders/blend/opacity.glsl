@@ -13,6 +13,9 @@ float group_end;      // t at which its last cell ends
 #define OPAQUE_REMAINDER frame.background.w
 #define LEAST_WEIGHT (0.25 * frame.background.w)
 
+// Share of the accepted error at which a separated cell stands for its contents.
+#define SEPARATED_TAU frame.step_y.w
+
 float remaining() {
     return transmittance * (1.0 - group_opacity);
 }

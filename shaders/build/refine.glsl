@@ -15,6 +15,7 @@
 #define GW_REASON_FAN 2u
 #define GW_REASON_DEPTH 3u
 #define GW_REASON_ISOLATED 4u
+#define GW_REASON_BUDGET 5u
 
 layout(location = 0) uniform uint group_base; // first work group of this slice of the dispatch
 layout(location = 1) uniform uint pair_first; // window: pairs [pair_first, pair_first + pair_count) of the level

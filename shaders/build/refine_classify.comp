@@ -11,6 +11,7 @@ layout(location = 7) uniform uint leaf_triangles;
 layout(location = 8) uniform uint fan_cap; // 0: rule off
 layout(location = 9) uniform uint isolation;
 layout(location = 10) uniform uint at_limit; // 1: the children are at the depth limit
+layout(location = 11) uniform uint least_pairs; // fewer: the memory budget keeps the cell from being refined
 
 // Per triangle: three welded vertices and its connected component. The component's longest side is in the w of the
 // triangle's first vertex, its number of triangles (at most 2^24, exact) in the w of the second.
@@ -69,12 +70,14 @@ uint classify(uint begin, uint count) {
         reason = GW_REASON_FAN;
     if (at_limit != 0u)
         return leaf | ((reason != 0u ? reason : GW_REASON_DEPTH) << 4);
-    if (reason == 0u)
-        return GW_KIND_INNER;
     // The side of a child of a cell at `level` is 2^-level.
-    if (isolation != 0u && count <= ISOLATED_AT_MOST && is_isolated(begin, count, 0.5 / float(1u << level)))
-        return GW_KIND_INNER | (GW_REASON_ISOLATED << 4);
-    return leaf | (reason << 4);
+    bool isolated = reason != 0u && isolation != 0u && count <= ISOLATED_AT_MOST &&
+                    is_isolated(begin, count, 0.5 / float(1u << level));
+    if (reason != 0u && !isolated)
+        return leaf | (reason << 4);
+    if (count < least_pairs)
+        return leaf | (GW_REASON_BUDGET << 4);
+    return GW_KIND_INNER | (isolated ? GW_REASON_ISOLATED << 4 : 0u);
 }
 
 void main() {

@@ -9,7 +9,7 @@ layout(binding = 3) uniform usamplerBuffer pair_texels; // of all children
 layout(std430, binding = 7) readonly buffer Classes { uint classes[]; };
 layout(std430, binding = 8) readonly buffer SlotBases { uvec4 slot_bases[]; };
 layout(std430, binding = 9) readonly buffer SlotBlockBases { uvec4 slot_block_bases[]; };
-layout(std430, binding = 10) writeonly buffer Children { uvec4 children[]; };    // link, bits, cell xy, cell z
+layout(std430, binding = 10) writeonly buffer Children { uvec4 children[]; };    // link (inner: pairs), bits, cell xy, cell z
 layout(std430, binding = 11) writeonly buffer CellsOut { uvec4 cells_out[]; };   // xy, z, first pair, pairs
 layout(std430, binding = 12) writeonly buffer Parents { uvec2 parents[]; };      // first child in the window, masks
 layout(std430, binding = 13) writeonly buffer Targets { uvec4 targets[]; }; // per slot: what to add to the
@@ -33,7 +33,7 @@ void main() {
     uint z = 2u * parent.y + (child >> 2);
     if (kind != 0xfu) {
         uint link = kind == GW_LEAF_SINGLE ? texelFetch(pair_texels, int(begin)).x : reference_first + base.w;
-        children[base.x] = uvec4(kind == GW_KIND_INNER ? 0u : link, class_here << 16, x | (y << 16), z);
+        children[base.x] = uvec4(kind == GW_KIND_INNER ? count : link, class_here << 16, x | (y << 16), z);
         targets[slot] = uvec4((kind == GW_KIND_INNER ? base.z : base.w) - begin, base.y, begin + count, kind);
         if (kind == GW_KIND_INNER)
             cells_out[base.y] = uvec4(x | (y << 16), z, base.z, count);

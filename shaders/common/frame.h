@@ -27,7 +27,7 @@ GW_STRUCT_BEGIN(gw_frame_block)
 GW_VEC4(eye);        // rebased; w: metres of scene per rebased unit
 GW_VEC4(corner);     // plane's corner minus eye, ray units; w: width of a sample in pixels where a pixel has several
 GW_VEC4(step_x);     // ray units per pixel
-GW_VEC4(step_y);
+GW_VEC4(step_y);     // w: separated_tau
 GW_VEC4(accuracy);   // tau, tau_inside, gaze_blend deg, gaze_margin deg
 GW_VEC4(acuity);     // slope, smallest period deg, voxel_slab, voxel_flatness
 GW_VEC4(background); // linear radiance; w: least_remainder

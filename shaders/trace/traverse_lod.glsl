@@ -167,7 +167,9 @@ void show_voxel() {
     bool leaf = GW_NODE_KIND(met_node.y) != GW_KIND_INNER;
     bool child_of_voxel = scale == voxel_scale;
     float triangles = leaf && !child_of_voxel ? triangles_share(footprint, side) : 0.0;
-    float children = leaf || child_of_voxel ? 0.0 : children_share(footprint, side);
+    bool separated = (PAYLOAD(met_index).x & GW_PAYLOAD_SEPARATED) != 0u;
+    precise float accepted = separated ? SEPARATED_TAU * footprint : footprint;
+    float children = leaf || child_of_voxel ? 0.0 : children_share(accepted, side);
     float share = child_of_voxel ? child_share : 1.0 - max(triangles, children);
     float leave = exit_of(child_scale);
     if (share > 0.0)

@@ -58,7 +58,7 @@ static void light_of(const gw_stage *stage, gw_camera *camera, double *triangles
 /* A thing outside the picture that moves the octree's middle planes away from what is tested: sheets near z =
  * 0 would fall into different cells. */
 static void add_ballast(gw_mesh *mesh) {
-    gw_mesh_add_tetrahedron(mesh, (const double[]){0.9, 0.9, -0.41}, 0.02);
+    gw_mesh_add_tetrahedron(mesh, (const double[]){0.9, 0.9, -0.41}, 0.001);
 }
 
 /* A dark wall of large triangles and on it a small bright patch of 2,048: by area it is less than a hundredth
@@ -132,14 +132,18 @@ static void normals_do_not_turn_aside(void **state) {
     assert_true(error_of_wedges("payload_rule=seed") > 0.5); /* the naive rule fails */
 }
 
-/* Shares of the nodes of a level whose surface is flagged as separated, in a pair of oblique parallel sheets.
- */
+/* A pair of oblique parallel sheets. */
+static void add_sheets(gw_mesh *mesh, double distance) {
+    add_ballast(mesh);
+    for (int i = 0; i < 2; ++i)
+        gw_mesh_add_grid(mesh, (const double[]){-0.9, -0.9, -0.3 + i * distance},
+                         (const double[]){1.8, 0, 0.4}, (const double[]){0, 1.8, 0.3}, 64, 64);
+}
+
+/* Share of the nodes of a level whose surface is flagged as separated. */
 static double separated_share(double distance, int level) {
     gw_mesh mesh = {0};
-    add_ballast(&mesh);
-    for (int i = 0; i < 2; ++i)
-        gw_mesh_add_grid(&mesh, (const double[]){-0.9, -0.9, -0.3 + i * distance},
-                         (const double[]){1.8, 0, 0.4}, (const double[]){0, 1.8, 0.3}, 64, 64);
+    add_sheets(&mesh, distance);
     gw_stage stage;
     check_ok(
         gw_stage_open(&stage, scene_of(&mesh), NULL, (const char *const[]){"octree_depth=8", NULL}, &error));
@@ -159,6 +163,45 @@ static void sheets_apart_are_flagged(void **state) {
     (void)state;
     assert_true(separated_share(0.03, 5) > 0.3); /* the others hold one sheet only */
     assert_true(separated_share(0.003, 5) < 0.05);
+}
+
+/* A white carpet over a black floor: from above, voxels that hold both are grey. */
+static void a_floor_does_not_shine_through_its_carpet(void **state) {
+    (void)state;
+    gw_mesh mesh = {0};
+    add_sheets(&mesh, 0.03);
+    gw_stage stage;
+    gw_scene *scene = scene_of(&mesh);
+    gw_material *materials = material_from_z(scene, INFINITY);
+    for (uint32_t t = 0; t < scene->triangle_count; ++t) {
+        double at[3] = {0};
+        for (int k = 0; k < 9; ++k)
+            at[k % 3] += (double)scene->positions[scene->triangles[t][k / 3] * 3 + (uint32_t)k % 3] / 3.0;
+        for (int k = 0; k < 3; ++k)
+            at[k] = ldexp(at[k], scene->exponent) + scene->centre[k];
+        double floor_z = -0.3 + 0.4 * (at[0] + 0.9) / 1.8 + 0.3 * (at[1] + 0.9) / 1.8;
+        scene->material_of[t] = at[2] > floor_z + 0.015;
+    }
+    set_grey(materials[0].base_color, 0.0f);
+    set_grey(materials[1].base_color, 0.8f);
+    check_ok(gw_stage_open(&stage, scene, NULL, (const char *const[]){"octree_depth=8", NULL}, &error));
+    gw_renderer *renderer = gw_stage_renderer(&stage);
+    gw_camera camera;
+    gw_camera_look(&camera, &stage, (const double[]){0, 0, 3}, (const double[]){0, 0, 0}, 10, SIDE);
+    double light[3];
+    for (int i = 0; i < 3; ++i) {
+        camera.state.tau_inside = i == 0 ? 0.0f : 6.0f;
+        camera.state.separated_tau = i == 1 ? 0.5f : 1.0f;
+        uint8_t *rgba = gw_camera_take(&camera, renderer, NULL);
+        light[i] = gw_mean_linear(rgba, PIXELS);
+        free(rgba);
+    }
+    print_message("carpet: %.4f exact, %.4f as voxels, %.4f where separated ones are not refined\n", light[0],
+                  light[1], light[2]);
+    assert_true(fabs(light[1] - light[0]) < 0.15 * light[0]);
+    assert_true(fabs(light[2] - light[0]) > 2.0 * fabs(light[1] - light[0])); /* the naive rule fails */
+    gw_renderer_destroy(&renderer);
+    gw_stage_close(&stage);
 }
 
 /* Share of the light of a white background that comes through: the scene's surfaces are black. */
@@ -282,11 +325,139 @@ static void leaves_hide_each_other_by_chance(void **state) {
     assert_true(naive > 2.0 * known); /* the naive rule fails */
 }
 
+/* What the area codes of an octree would be with 8 bits, in equal steps. */
+static void store_areas_in_bytes(gw_octree *octree) {
+    for (uint32_t i = 0; i < octree->node_count; ++i) {
+        double root = GW_PAYLOAD_AREA_CODE(octree->payloads[i].surface) / 4095.0;
+        double stored = round(root * root * 255.0) / 255.0;
+        octree->payloads[i].surface =
+            (octree->payloads[i].surface & ~0xfffu) | (uint32_t)(sqrt(stored) * 4095.0 + 0.5);
+    }
+}
+
+enum { VARIANT_PLAIN, VARIANT_SEED, VARIANT_BYTES };
+
+/* Glowing flat wires, `share` of a finest voxel wide, 5 voxels apart, aslant in a plane that faces the
+ * viewer: the light that reaches the picture over the light sent out, least and most over all accepted
+ * errors. */
+static void light_of_wires(double share, int variant, double range[2]) {
+    const double voxel = 2.0 / 256, width = share * voxel, gap = 5 * voxel, radiance = 1.0 / share;
+    const double c = cos(0.4), s = sin(0.4);
+    gw_mesh mesh = {0};
+    add_ballast(&mesh);
+    for (int i = -20; i <= 20; ++i)
+        gw_mesh_add_grid(&mesh, (const double[]){-0.9 * c - i * gap * s, -0.9 * s + i * gap * c, 0.013},
+                         (const double[]){1.8 * c, 1.8 * s, 0}, (const double[]){-width * s, width * c, 0},
+                         40, 1);
+    gw_stage stage;
+    gw_scene *scene = scene_of(&mesh);
+    set_grey(scene->ambient, 0.0f);
+    set_grey(scene->materials[0].emissive, (float)radiance);
+    check_ok(gw_stage_open(
+        &stage, scene, NULL,
+        (const char *const[]){"octree_depth=8", "least_remainder=0.0001",
+                              variant == VARIANT_SEED ? "payload_rule=seed" : "payload_rule=area", NULL},
+        &error));
+    if (variant == VARIANT_BYTES)
+        store_areas_in_bytes(stage.octree);
+    gw_renderer *renderer = gw_stage_renderer(&stage);
+    gw_camera camera;
+    gw_camera_look(&camera, &stage, (const double[]){0.1, 0.1, 3.013}, (const double[]){0.1, 0.1, 0}, 10,
+                   SIDE);
+    range[0] = INFINITY;
+    range[1] = 0.0;
+    /* Below 4 some leaves are still triangles, and their hits brighter than white. */
+    for (float tau = 4.0f; tau <= 64.0f; tau *= 2.0f) {
+        camera.state.tau_inside = tau;
+        uint8_t *rgba = gw_camera_take(&camera, renderer, NULL);
+        double light = gw_mean_linear(rgba, PIXELS) * (gap / width) / radiance;
+        free(rgba);
+        range[0] = fmin(range[0], light);
+        range[1] = fmax(range[1], light);
+    }
+    print_message("wires of %g voxels, variant %d: %.3f to %.3f of their light\n", share, variant, range[0],
+                  range[1]);
+    gw_renderer_destroy(&renderer);
+    gw_stage_close(&stage);
+}
+
+static void thin_wires_keep_their_light(void **state) {
+    (void)state;
+    double range[2];
+    for (double share = 0.1; share > 0.0005; share *= 0.1) {
+        light_of_wires(share, VARIANT_PLAIN, range);
+        assert_true(range[0] > 0.9 && range[1] < 1.1);
+    }
+    /* The naive variants fail: solid voxels thicken, bytes round to nothing. */
+    light_of_wires(0.1, VARIANT_SEED, range);
+    assert_true(range[1] > 2.0);
+    light_of_wires(0.001, VARIANT_BYTES, range);
+    assert_true(range[0] < 0.5);
+}
+
+static void add_box(gw_mesh *mesh, const double low[3], const double high[3]) {
+    for (int axis = 0; axis < 3; ++axis)
+        for (int side = 0; side < 2; ++side) {
+            double corner[3], u[3] = {0}, v[3] = {0};
+            int a = (axis + 1) % 3, b = (axis + 2) % 3;
+            memcpy(corner, low, sizeof corner);
+            corner[axis] = side ? high[axis] : low[axis];
+            u[side ? a : b] = high[side ? a : b] - low[side ? a : b];
+            v[side ? b : a] = high[side ? b : a] - low[side ? b : a];
+            gw_mesh_add_grid(mesh, corner, u, v, 60, 60);
+        }
+}
+
+/* Black plates a tenth of a finest voxel thick, seen edge-on from afar. */
+static void plates_seen_edge_on_stay(void **state) {
+    (void)state;
+    const double voxel = 2.0 / 256;
+    gw_mesh mesh = {0};
+    add_ballast(&mesh);
+    for (int i = -6; i <= 6; ++i)
+        add_box(&mesh, (const double[]){(5.3 * i) * voxel, -0.9, -0.21},
+                (const double[]){(5.3 * i + 0.1) * voxel, 0.8, 0.29});
+    gw_stage stage;
+    gw_scene *scene = scene_of(&mesh);
+    darken(scene);
+    check_ok(gw_stage_open(&stage, scene, NULL, (const char *const[]){"octree_depth=8", NULL}, &error));
+    gw_renderer *renderer = gw_stage_renderer(&stage);
+    gw_camera camera;
+    gw_camera_look(&camera, &stage, (const double[]){0.003, 0.1, 40}, (const double[]){0.003, 0.1, 0}, 0.6,
+                   16 * SIDE);
+    uint8_t *exact = gw_camera_take(&camera, renderer, NULL);
+    double opacity = 1.0 - gw_mean_linear(exact, (size_t)256 * PIXELS);
+    free(exact);
+    gw_camera_look(&camera, &stage, (const double[]){0.003, 0.1, 40}, (const double[]){0.003, 0.1, 0}, 0.6,
+                   SIDE);
+    double least = INFINITY, most = 0.0, naive_most = 0.0;
+    for (float tau = 1.0f; tau <= 32.0f; tau *= 2.0f)
+        for (int naive = 0; naive < 2; ++naive) {
+            camera.state.tau_inside = tau;
+            camera.state.fold_agreement = naive ? 0.99f : 0.6f;
+            uint8_t *rgba = gw_camera_take(&camera, renderer, NULL);
+            double seen = (1.0 - gw_mean_linear(rgba, PIXELS)) / opacity;
+            free(rgba);
+            print_message("plates edge-on, tau %g, %s: %.3f of their opacity\n", (double)tau,
+                          naive ? "as folds" : "as plates", seen);
+            least = naive ? least : fmin(least, seen);
+            most = naive ? most : fmax(most, seen);
+            naive_most = naive ? fmax(naive_most, seen) : naive_most;
+        }
+    assert_true(least > 0.7 && most < 2.5);
+    assert_true(naive_most > 3.0); /* their rims thicken, as a fold would */
+    gw_renderer_destroy(&renderer);
+    gw_stage_close(&stage);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(colours_count_by_area),
         cmocka_unit_test(normals_do_not_turn_aside),
+        cmocka_unit_test(thin_wires_keep_their_light),
+        cmocka_unit_test(plates_seen_edge_on_stay),
         cmocka_unit_test(sheets_apart_are_flagged),
+        cmocka_unit_test(a_floor_does_not_shine_through_its_carpet),
         cmocka_unit_test(blended_surfaces_keep_their_opacity),
         cmocka_unit_test(masked_surfaces_keep_their_opacity),
         cmocka_unit_test(leaves_hide_each_other_by_chance),

@@ -50,6 +50,14 @@ is "rank 0 builds the part of a rank that cannot" "$(builders_of failing)" "3 pa
 has "and says so" "$(cat failing.log)" "rank 2 cannot build (a failure made on purpose): rank 0 builds its part"
 is "the octree is the same again" "$(hash_of failing)" "$wanted"
 
+# --- a memory budget that only all parts together exceed
+half=$(json by-1.json '["octree"]["bytes"]["nodes"] / 2**21 + sum(d["octree"]["bytes"][k] for k in ("leaves", "references", "payload", "boxes")) / 2**21')
+sim half-1 --cache none --builders 1 --set "octree_memory=$half"
+sim half-3 --cache none --builders 3 --set "octree_memory=$half"
+is "a budget stops some cells" "$(json half-1.json '["octree"]["statistics"]["stopped_budget"] > 0')" True
+is "three builders keep the budget as one does" "$(hash_of half-3)" "$(hash_of half-1)"
+has "rank 0 does it alone" "$(cat half-3.log)" "rank 0 builds it within that"
+
 # --- cold and cached, on one machine and on two
 sim cold --cache kept --machines 2
 is "cold: built" "$(builders_of cold)" "2 parts:0,4"

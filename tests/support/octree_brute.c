@@ -1,6 +1,7 @@
 #include "tests/support/octree_brute.h"
 
 #include "base/memory.h"
+#include "build/octree_budget.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -212,6 +213,8 @@ static int should_be_leaf(const brute *self, const id_list *list, cell where) {
         return 0; /* the root is always an inner node */
     if (where.level == self->octree->depth)
         return 1;
+    if (gw_octree_gain(where.level, (uint32_t)list->count) < self->octree->statistics.least_gain)
+        return 1; /* the memory budget */
     return (small || fan) && !(s->isolation_rule && is_small_isolated_thing(self, list, where));
 }
 

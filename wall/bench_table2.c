@@ -11,6 +11,7 @@
 #include "wall/report.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -59,9 +60,11 @@ static gw_settings settings_of(const gw_bench *bench, rules which) {
     gw_settings settings = bench->draw.settings;
     if (which != OURS || bench->quick)
         settings.octree_depth = bench->quick ? QUICK_DEPTH : PAPER_DEPTH;
+    if (which != OURS)
+        settings.dense_leaf = 0; /* boxes over long lists stop nothing */
     if (which == EVERYWHERE || which == PAPER_STOP) {
         settings.leaf_triangles = which == EVERYWHERE ? 0 : 2;
-        settings.fan_rule = settings.isolation_rule = settings.dense_leaf = 0;
+        settings.fan_rule = settings.isolation_rule = 0;
     }
     return settings;
 }
@@ -79,8 +82,8 @@ static void fill_rows(const gw_built built[RULES_COUNT], table_row table[ROW_COU
                                .references = (double)b->reference_bytes,
                                .voxels = (double)b->payload_bytes,
                                .triangles = (double)b->triangle_bytes,
-                               .saved_all = -1,
-                               .saved_tree = -1};
+                               .saved_all = NAN,
+                               .saved_tree = NAN};
         if (rows[i].paper_bytes) {
             table[i].nodes = PAPER_NODE_BYTES * (1 + 8 * inner);
             table[i].voxels = PAPER_VOXEL_BYTES * (inner + leaves);
@@ -96,7 +99,7 @@ static void fill_rows(const gw_built built[RULES_COUNT], table_row table[ROW_COU
 }
 
 static void print_saved(double percent) {
-    if (percent < 0)
+    if (isnan(percent))
         printf("%9s", "");
     else
         printf("%7.1f %%", percent);
@@ -106,12 +109,12 @@ static void print_scene(const gw_scene *scene, const table_row table[ROW_COUNT])
     double triangles = scene->triangle_count;
     printf("%s: %" PRIu32 " triangles, %.2f MB\n", scene->path, scene->triangle_count,
            table[0].triangles * 1e-6);
-    printf("  %-37s %5s %31s %20s %18s   %s\n", "", "depth", "MB: nodes  references  voxels",
+    printf("  %-39s %5s %31s %20s %18s   %s\n", "", "depth", "MB: nodes  references  voxels",
            "B/triangle, +voxels", "saved: all, tree", "ms: refine, leaves, up, all");
     for (int i = 0; i < ROW_COUNT; i++) {
         const table_row *r = &table[i];
         const double *ms = r->built->statistics.milliseconds;
-        printf("  %-37s %5" PRIu32 " %11.2f %11.2f %7.2f %11.1f %8.1f", rows[i].name, r->built->depth,
+        printf("  %-39s %5" PRIu32 " %11.2f %11.2f %7.2f %11.1f %8.1f", rows[i].name, r->built->depth,
                r->nodes * 1e-6, r->references * 1e-6, r->voxels * 1e-6,
                (r->nodes + r->references) / triangles, (r->nodes + r->references + r->voxels) / triangles);
         print_saved(r->saved_all);

@@ -12,7 +12,10 @@ struct surface_sum {
     vec3 color;     // linear colour times area
     vec3 normal;    // normals times area
     vec3 aligned;   // the same with each addend turned to the side of the sum so far: opposed normals do not cancel
-    float roughness, metalness; // times area
+    float metalness; // times area
+    // What a surface reflects at its normal, times area; and roughness, times both: of a mirror beside chalk, the mirror's
+    // roughness is what highlights show.
+    float reflectance, roughness;
     vec3 moment; // place in the cell, 0..1 along each axis, times area
 #ifndef GW_SEED_RULE
     vec3 squares, products; // of places: xx, yy, zz and yz, zx, xy, times area; every part counts at its centroid
@@ -51,7 +54,7 @@ uint job_index() {
 }
 
 surface_sum empty_sum() {
-    return surface_sum(0.0, vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0, vec3(0.0) NO_SQUARES NO_EMISSION);
+    return surface_sum(0.0, vec3(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0, vec3(0.0) NO_SQUARES NO_EMISSION);
 }
 
 void add_surface(inout surface_sum sum, surface_sum addend) {
@@ -75,11 +78,13 @@ void add_surface(inout surface_sum sum, surface_sum addend) {
     precise vec3 normal = sum.normal + addend.normal;
     precise float roughness = sum.roughness + addend.roughness;
     precise float metalness = sum.metalness + addend.metalness;
+    precise float reflectance = sum.reflectance + addend.reflectance;
     sum.area = area;
     sum.color = color;
     sum.normal = normal;
     sum.roughness = roughness;
     sum.metalness = metalness;
+    sum.reflectance = reflectance;
 #ifdef GW_EMISSION
     precise vec3 emission = sum.emission + addend.emission;
     sum.emission = emission;
@@ -89,7 +94,8 @@ void add_surface(inout surface_sum sum, surface_sum addend) {
 // The sums whose rows begin at `row`, read by fetch(row).
 #define LOAD_SUM(sum, row, fetch)                                                                                        \
     surface_sum sum = surface_sum(fetch(row).x, fetch(row).yzw, fetch(row + 1u).xyz, fetch(row + 2u).xyz,                \
-                                  fetch(row + 1u).w, fetch(row + 2u).w, fetch(row + 3u).xyz NO_SQUARES NO_EMISSION);     \
+                                  fetch(row + 2u).w, fetch(row + 3u).w, fetch(row + 1u).w,                               \
+                                  fetch(row + 3u).xyz NO_SQUARES NO_EMISSION);                                           \
     LOAD_SQUARES(sum, row, fetch)                                                                                        \
     LOAD_EMISSION(sum, row, fetch)
 #ifdef GW_SEED_RULE
@@ -118,7 +124,7 @@ void store_sum(uint node, surface_sum sum) {
     sums[row] = vec4(sum.area, sum.color);
     sums[row + 1u] = vec4(sum.normal, sum.roughness);
     sums[row + 2u] = vec4(sum.aligned, sum.metalness);
-    sums[row + 3u] = vec4(sum.moment, 0.0);
+    sums[row + 3u] = vec4(sum.moment, sum.reflectance);
 #ifndef GW_SEED_RULE
     sums[row + 4u] = vec4(sum.squares, 0.0);
     sums[row + 5u] = vec4(sum.products, 0.0);

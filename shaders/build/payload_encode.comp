@@ -117,6 +117,6 @@ void main() {
     float root = gw_square_root(shape.area);
     payloads[node * 3u + 2u] = encode_fraction(root, 4095.0 / 4.0, 0.0, 4095.0) |
                                (encode_fraction(shape.offset, GW_PAYLOAD_OFFSET_STEPS, 128.0, 255.0) << 12) |
-                               (encode_fraction(sum.roughness * inverse_area, 63.0, 0.0, 63.0) << 20) |
+                               (encode_fraction(sum.roughness * gw_reciprocal(sum.reflectance), 63.0, 0.0, 63.0) << 20) |
                                (encode_fraction(sum.metalness * inverse_area, 63.0, 0.0, 63.0) << 26);
 }

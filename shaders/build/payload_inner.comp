@@ -21,6 +21,7 @@ surface_sum child_part(surface_sum part, uint k) {
     part.color = color;
     part.roughness *= inverse;
     part.metalness *= inverse;
+    part.reflectance *= inverse;
     part.moment.x *= inverse;
 #ifdef GW_EMISSION
     precise vec3 emission = part.emission * inverse;
@@ -64,6 +65,7 @@ void main() {
     sum.aligned *= 0.25;
     sum.roughness *= 0.25;
     sum.metalness *= 0.25;
+    sum.reflectance *= 0.25;
     sum.moment *= 0.25;
     sum.squares *= 0.25;
     sum.products *= 0.25;

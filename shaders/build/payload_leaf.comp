@@ -245,7 +245,13 @@ surface_sum triangle_surface(uint triangle, vec3 low, float scale) {
 #endif
     precise vec3 area_color = color.xyz * area;
     precise vec3 area_normal = normal * area;
-    precise float area_roughness = finish.x * area;
+#ifdef GW_SEED_RULE
+    float area_reflectance = area;
+#else
+    precise float metal = (color.x + color.y + color.z) * (1.0 / 3.0);
+    precise float area_reflectance = max(0.04 + finish.y * (metal - 0.04), 0.001) * area;
+#endif
+    precise float area_roughness = finish.x * area_reflectance;
     precise float area_metalness = finish.y * area;
     surface_sum part = empty_sum();
     part.area = area;
@@ -254,6 +260,7 @@ surface_sum triangle_surface(uint triangle, vec3 low, float scale) {
     part.aligned = area_normal;
     part.roughness = area_roughness;
     part.metalness = area_metalness;
+    part.reflectance = area_reflectance;
 #ifdef GW_SEED_RULE
     part.moment = vec3(opacity, float(triangle) + 1.0, 0.0);
 #else

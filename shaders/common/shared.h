@@ -47,7 +47,8 @@
 //      whose area is its optical thickness (16: opaque).
 //   z  bits 0-11: area of the surface in the cell over the cell's face area, at most 16: area = 16 (code / 4095)^2, so that
 //      small things keep their digits; bits 12-19: where the surface lies along its normal, from the cell's centre, in
-//      1/144 of the cell's side, 128 for the centre; bits 20-25: perceptual roughness in 1/63; bits 26-31: metalness in 1/63.
+//      1/144 of the cell's side, 128 for the centre; bits 20-25: perceptual roughness, the mean by reflectance, in 1/63;
+//      bits 26-31: metalness in 1/63.
 // Emission of a node, 4 bytes (uint), only in octrees of scenes in which something emits light: mean emitted radiance of the
 // cell's surface with a shared exponent, as GL's RGB9_E5: value = mantissa (9 bits each) * 2^(bits 27-31 - 24).
 #define GW_PAYLOAD_TWO_SIDED 0x40000000u

@@ -204,6 +204,62 @@ static void a_floor_does_not_shine_through_its_carpet(void **state) {
     gw_stage_close(&stage);
 }
 
+/* Gives every voxel one finish: what a rule that keeps a cell's dominant material would store where it is
+ * everywhere the same one. */
+static void store_finish(gw_octree *octree, uint32_t roughness, uint32_t metalness) {
+    for (uint32_t i = 0; i < octree->node_count; ++i)
+        octree->payloads[i].surface =
+            (octree->payloads[i].surface & 0xfffffu) | roughness << 20 | metalness << 26;
+}
+
+/* Strips of mirror and chalk by turns, finer than voxels, lit from the side: light of triangles, of voxels
+ * with mean finish, and of voxels that keep the chalk or the mirror only. */
+static void mixed_finishes_keep_their_light(void **state) {
+    (void)state;
+    gw_mesh mesh = {0};
+    add_ballast(&mesh);
+    gw_mesh_add_grid(&mesh, (const double[]){-0.9, -0.9, 0.013}, (const double[]){1.8, 0, 0},
+                     (const double[]){0, 1.8, 0}, 300, 30);
+    gw_stage stage;
+    gw_scene *scene = scene_of(&mesh);
+    gw_material *materials = material_from_z(scene, INFINITY);
+    for (uint32_t t = 0; t < scene->triangle_count; ++t) {
+        double x = 0.0;
+        for (int k = 0; k < 3; ++k)
+            x += (double)scene->positions[scene->triangles[t][k] * 3] / 3.0;
+        scene->material_of[t] = (int)floor((ldexp(x, scene->exponent) + scene->centre[0] + 0.9) / 0.006) & 1;
+    }
+    materials[1].metalness = 1.0f;
+    materials[1].roughness = 0.2f;
+    set_grey(scene->ambient, 0.2f);
+    void *light = NULL;
+    check_ok(gw_allocate(&light, 1, sizeof *scene->lights, "light", &error));
+    scene->lights = light;
+    scene->lights[0] = (gw_light){GW_LIGHT_DIRECTIONAL, {0.6, 0, -0.8}, {3, 3, 3}};
+    scene->light_count = 1;
+    check_ok(gw_stage_open(&stage, scene, NULL, (const char *const[]){"octree_depth=8", NULL}, &error));
+    gw_camera camera;
+    gw_camera_look(&camera, &stage, (const double[]){0.3, 0.2, 2}, (const double[]){0, 0, 0}, 40, SIDE);
+    camera.state.tau_inside = 1.0f;
+    double triangles = 0, mean = 0, plain = 0, chalk = 0, mirror = 0;
+    light_of(&stage, &camera, &triangles, &mean);
+    store_finish(stage.octree, 38, 32); /* both means by area alone */
+    light_of(&stage, &camera, &triangles, &plain);
+    store_finish(stage.octree, 63, 0);
+    light_of(&stage, &camera, &triangles, &chalk);
+    store_finish(stage.octree, 13, 63);
+    light_of(&stage, &camera, &triangles, &mirror);
+    print_message(
+        "mirror and chalk: %.4f as triangles; voxels %.4f, of plain mean finish %.4f, of chalk %.4f, "
+        "of mirror %.4f\n",
+        triangles, mean, plain, chalk, mirror);
+    gw_stage_close(&stage);
+    assert_true(fabs(mean - triangles) < 0.1 * triangles);
+    assert_true(fabs(plain - triangles) > 0.3 * triangles); /* the naive rules fail */
+    assert_true(fabs(chalk - triangles) > 0.3 * triangles);
+    assert_true(fabs(mirror - triangles) > 0.3 * triangles);
+}
+
 /* Share of the light of a white background that comes through: the scene's surfaces are black. */
 static void darken(gw_scene *scene) {
     for (uint32_t m = 0; m < scene->material_count; ++m)
@@ -456,6 +512,7 @@ int main(void) {
         cmocka_unit_test(normals_do_not_turn_aside),
         cmocka_unit_test(thin_wires_keep_their_light),
         cmocka_unit_test(plates_seen_edge_on_stay),
+        cmocka_unit_test(mixed_finishes_keep_their_light),
         cmocka_unit_test(sheets_apart_are_flagged),
         cmocka_unit_test(a_floor_does_not_shine_through_its_carpet),
         cmocka_unit_test(blended_surfaces_keep_their_opacity),

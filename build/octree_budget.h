@@ -4,7 +4,8 @@
  * how many rays its face meets. A child's gain is a quarter of its parent's at most, so the cells with a gain
  * of at least g are a tree for every g. While a tree is refined, what each cell adds to the arrays is summed
  * by the bucket of its gain; from these sums follow the sizes of all the trees that stop earlier, and the
- * least g whose tree fits. Sums of parts add up, whatever the parts. Plain values; any thread. */
+ * least g whose tree fits. Boxes over a list count as refining its leaf: they are
+ * made where the leaf has the gain. Sums of parts add up, whatever the parts. Plain values; any thread. */
 #ifndef GW_BUILD_OCTREE_BUDGET_H
 #define GW_BUILD_OCTREE_BUDGET_H
 
@@ -33,7 +34,8 @@ uint64_t gw_octree_gain(uint32_t level, uint32_t pairs);
 /* Pairs from which a cell of the level has the gain. */
 uint32_t gw_octree_least_pairs(uint64_t gain, uint32_t level);
 
-/* Adds what refining a cell of the level adds; level 0 is the root, which is always refined. */
+/* Adds what refining a cell of the level, or boxes over its list, adds; level 0 is the root, which is always
+ * refined. */
 void gw_octree_budget_add(gw_octree_budget *budget, uint32_t level, uint32_t pairs,
                           const gw_octree_rows *rows);
 void gw_octree_budget_join(gw_octree_budget *sum, const gw_octree_budget *part);

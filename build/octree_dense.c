@@ -133,14 +133,17 @@ uint32_t gw_octree_first_reference(const gw_octree *octree, const gw_node *node)
     return octree->boxes[box].link;
 }
 
-/* Of a plain list; 0 for other nodes. */
-static uint32_t list_length(const gw_octree *octree, const gw_node *node) {
+/* Length of the list if it is to have boxes, else 0. */
+static uint32_t dense_length(const gw_octree *octree, uint32_t level, const gw_node *node,
+                             uint32_t most_triangles) {
     uint32_t at = node->link;
     if (GW_NODE_KIND(node->bits) != GW_LEAF_LIST)
         return 0;
     while (!(octree->references[at] & GW_REFERENCE_LAST))
         at++;
-    return at - node->link + 1;
+    const uint32_t length = at - node->link + 1;
+    return length > most_triangles && gw_octree_gain(level, length) >= octree->statistics.least_gain ? length
+                                                                                                     : 0;
 }
 
 static void make_dense(const gw_scene *scene, const gw_octree *octree, gw_node *node, dense_list *list) {
@@ -165,8 +168,12 @@ gw_code gw_octree_add_boxes(const gw_scene *scene, uint32_t most_triangles, gw_o
     octree->box_count = 0;
     if (most_triangles == 0 || octree->statistics.longest_list <= most_triangles)
         return GW_OK;
-    for (uint32_t i = 0; i < octree->node_count; ++i)
-        boxes += gw_octree_boxes_of(list_length(octree, &octree->nodes[i]), most_triangles);
+    for (uint32_t level = 0; level <= octree->depth; ++level)
+        for (uint32_t i = octree->level_begin[level]; i < octree->level_begin[level + 1]; ++i)
+            boxes += gw_octree_boxes_of(dense_length(octree, level, &octree->nodes[i], most_triangles),
+                                        most_triangles);
+    if (boxes == 0)
+        return GW_OK;
     if (boxes > MOST_BOXES)
         return gw_fail(error, GW_MACHINE,
                        "dense leaves need %" PRIu64 " boxes, more than %d; raise dense_leaf", boxes,
@@ -177,13 +184,14 @@ gw_code gw_octree_add_boxes(const gw_scene *scene, uint32_t most_triangles, gw_o
         code = gw_allocate((void **)&list.groups, groups, sizeof *list.groups, "bounds of triangles", error);
     if (code == GW_OK)
         code = gw_allocate((void **)&list.areas, groups, sizeof *list.areas, "areas of bounds", error);
-    for (uint32_t i = 0; code == GW_OK && i < octree->node_count; ++i) {
-        list.length = list_length(octree, &octree->nodes[i]);
-        if (list.length <= most_triangles)
-            continue;
-        make_dense(scene, octree, &octree->nodes[i], &list);
-        octree->statistics.dense_leaves++;
-    }
+    for (uint32_t level = 0; code == GW_OK && level <= octree->depth; ++level)
+        for (uint32_t i = octree->level_begin[level]; i < octree->level_begin[level + 1]; ++i) {
+            list.length = dense_length(octree, level, &octree->nodes[i], most_triangles);
+            if (list.length == 0)
+                continue;
+            make_dense(scene, octree, &octree->nodes[i], &list);
+            octree->statistics.dense_leaves++;
+        }
     free(list.groups);
     free(list.areas);
     if (code != GW_OK) {

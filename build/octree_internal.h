@@ -121,7 +121,8 @@ gw_code gw_octree_payload(gw_octree_builder *builder, const gw_payload_range *ra
 /* What remains when nodes and payloads are there: boxes and hash. */
 gw_code gw_octree_complete(const gw_octree_builder *builder, gw_octree *octree, gw_error *error);
 
-/* Puts boxes over every list longer than most_triangles (0: over none) and makes its leaf dense. The last
+/* Puts boxes over every list longer than most_triangles (0: over none), unless the memory budget forbids it
+ * (octree->statistics.least_gain), and makes its leaf dense. The last
  * step before the hash: the payload stage knows plain lists only. */
 gw_code gw_octree_add_boxes(const gw_scene *scene, uint32_t most_triangles, gw_octree *octree,
                             gw_error *error);

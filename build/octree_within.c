@@ -3,37 +3,34 @@
 
 #include <inttypes.h>
 
-/* What a list of that many triangles takes. */
-static gw_octree_rows rows_of_leaf(const gw_octree_builder *builder, uint32_t pairs) {
-    const uint32_t most = (uint32_t)builder->settings->dense_leaf;
-    return (gw_octree_rows){.references = pairs > 1 ? pairs : 0,
-                            .boxes = (int64_t)gw_octree_boxes_of(pairs, most)};
+/* References of a cell that is a leaf. */
+static int64_t list_of(uint32_t pairs) {
+    return pairs > 1 ? pairs : 0;
 }
 
 void gw_octree_note(gw_octree_builder *builder, const gw_octree_refined *refined) {
-    const uint32_t level = refined->level;
+    const uint32_t level = refined->level, most = (uint32_t)builder->settings->dense_leaf;
     /* Of levels that are not kept, all cells are the builder's own. */
     const uint32_t(*cells)[2] =
         level <= builder->split_level ? (const uint32_t(*)[2])builder->levels[level].cells : NULL;
     uint32_t end = refined->reference_end, child = refined->child_count;
     for (uint32_t i = refined->cell_count; i-- > 0;) {
-        gw_octree_rows rows = {0};
-        if (level > 0) { /* the root is never a leaf */
-            rows = rows_of_leaf(builder, refined->pairs[i]);
-            rows = (gw_octree_rows){0, -rows.references, -rows.boxes};
-        }
+        const int own = !cells || gw_octree_owns(builder, level, cells[refined->nodes[i]]);
+        /* The root is never a leaf. */
+        gw_octree_rows rows = {.references = level > 0 ? -list_of(refined->pairs[i]) : 0};
         while (child > refined->parents[i][0]) {
             const uint32_t *data = refined->children[--child], kind = GW_NODE_KIND(data[1]);
             const uint32_t length = kind == GW_KIND_INNER  ? data[0]
                                     : kind == GW_LEAF_LIST ? end - data[0]
                                                            : 1;
-            const gw_octree_rows leaf = rows_of_leaf(builder, length);
+            const gw_octree_rows boxes = {.boxes = (int64_t)gw_octree_boxes_of(length, most)};
             end = kind == GW_LEAF_LIST ? data[0] : end;
             rows.nodes++;
-            rows.references += leaf.references;
-            rows.boxes += leaf.boxes;
+            rows.references += list_of(length);
+            if (own && kind == GW_LEAF_LIST && boxes.boxes > 0)
+                gw_octree_budget_add(&builder->budget, level + 1, length, &boxes);
         }
-        if (!cells || gw_octree_owns(builder, level, cells[refined->nodes[i]]))
+        if (own)
             gw_octree_budget_add(&builder->budget, level, refined->pairs[i], &rows);
     }
 }

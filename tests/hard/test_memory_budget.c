@@ -141,6 +141,30 @@ static void a_budget_for_nothing_is_refused_with_numbers(void **state) {
     assert_null(octree);
 }
 
+/* Boxes over long lists are as dear as four lists: they are for leaves that have the gain. */
+static void boxes_keep_the_budget_too(void **state) {
+    (void)state;
+    gw_settings settings = stage.settings;
+    gw_octree_options options = {.settings = &settings};
+    gw_octree *octree = NULL;
+    settings.dense_leaf = 64;
+    settings.octree_memory = full_mebibytes() / 16;
+    check_ok(gw_octree_build(stage.device, stage.scene, &options, &octree, &error));
+    assert_true((double)gw_octree_bytes(octree) <= settings.octree_memory * 1048576.0);
+    assert_true(octree->statistics.longest_list > 64);
+    gw_octree_destroy(&octree);
+    settings.octree_depth = 5; /* long lists at the depth limit: some keep their boxes, some do not */
+    settings.octree_memory = 0;
+    check_ok(gw_octree_build(stage.device, stage.scene, &options, &octree, &error));
+    const uint64_t bytes = gw_octree_bytes(octree), leaves = octree->statistics.dense_leaves;
+    gw_octree_destroy(&octree);
+    settings.octree_memory = 0.8 * (double)bytes / 1048576.0;
+    check_ok(gw_octree_build(stage.device, stage.scene, &options, &octree, &error));
+    assert_true(gw_octree_bytes(octree) <= bytes * 8 / 10 && gw_octree_bytes(octree) > bytes * 6 / 10);
+    assert_true(octree->statistics.dense_leaves > 0 && octree->statistics.dense_leaves < leaves);
+    gw_octree_destroy(&octree);
+}
+
 /* Three builders notice together what none of them can know alone. */
 static void parts_of_several_builders_tell_whether_they_fit(void **state) {
     (void)state;
@@ -149,7 +173,7 @@ static void parts_of_several_builders_tell_whether_they_fit(void **state) {
     gw_octree_division division;
     gw_octree_part parts[3];
     gw_octree *whole = NULL;
-    settings.dense_leaf = 64; /* refining takes boxes away here: a part alone may add less than none */
+    settings.dense_leaf = 64; /* boxes of several parts count as well */
     check_ok(gw_octree_build(stage.device, stage.scene, &options, &whole, &error));
     const double full = (double)gw_octree_bytes(whole) / 1048576.0, budgets[] = {1.0001, 0.9999, 0.25};
     assert_true(whole->box_count > 0);
@@ -187,6 +211,7 @@ int main(void) {
         cmocka_unit_test(a_budget_that_holds_all_changes_nothing),
         cmocka_unit_test(a_drivers_limit_is_a_budget),
         cmocka_unit_test(a_budget_for_nothing_is_refused_with_numbers),
+        cmocka_unit_test(boxes_keep_the_budget_too),
         cmocka_unit_test(parts_of_several_builders_tell_whether_they_fit),
         cmocka_unit_test(gains_make_trees),
     };

@@ -68,8 +68,9 @@ uint32_t gw_features_of_frame(const gw_frame_state *state, uint32_t viewers, uin
     float coarsest = viewers > 0 && state->tau > state->tau_inside ? state->tau : state->tau_inside;
     if (state->geometry == GW_GEOMETRY_VOXELS || (state->geometry == GW_GEOMETRY_HYBRID && coarsest > 0.0f))
         bits |= GW_FEATURE_LOD;
-    int depends =
-        (bits & GW_FEATURE_LOD) || (scene_features & GW_FEATURE_TEXTURES) || state->debug == GW_DEBUG_GAZE;
+    int depends = (bits & GW_FEATURE_LOD) || (scene_features & GW_FEATURE_TEXTURES) ||
+                  state->debug == GW_DEBUG_GAZE || state->debug == GW_DEBUG_ECCENTRICITY ||
+                  state->debug == GW_DEBUG_FOOTPRINT;
     if (viewers > 0 && depends)
         bits |= GW_FEATURE_GAZE;
     if ((viewers > 0 && state->sample_block > 0) || state->samples > 0)

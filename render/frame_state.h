@@ -41,7 +41,10 @@ typedef enum gw_debug_view {
     GW_DEBUG_LEVELS,
     GW_DEBUG_STEPS,
     GW_DEBUG_NORMALS,
-    GW_DEBUG_GAZE
+    GW_DEBUG_GAZE,
+    GW_DEBUG_RATES,
+    GW_DEBUG_ECCENTRICITY,
+    GW_DEBUG_FOOTPRINT
 } gw_debug_view;
 
 /* Copies the FRAME settings into the state. */

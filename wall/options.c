@@ -217,7 +217,8 @@ enum {
     KEY_LOG
 };
 
-static const char *const debug_names[] = {"none", "levels", "steps", "normals", "gaze"};
+static const char *const debug_names[] = {"none", "levels", "steps",        "normals",
+                                          "gaze", "rates",  "eccentricity", "footprint"};
 
 static const struct argp_option scene_options[] = {
     {NULL, 0, NULL, 0, "What is drawn:", 10},
@@ -257,7 +258,10 @@ static const struct argp_option frame_options[] = {
     {"time", KEY_TIME, "SECONDS", 0,
      "0 to 1e6, default 0: where on the track's and the animation's clock the first frame stands", 10},
     {"debug", KEY_DEBUG, "VIEW", 0,
-     "levels (red: triangles, green to blue: voxel levels), steps, normals, gaze, or none; default none", 10},
+     "levels (red: triangles, green to blue: voxel levels), steps, normals, gaze (accepted error), rates "
+     "(pixels a "
+     "ray), eccentricity, footprint, or none; default none",
+     10},
     {"count", KEY_COUNT, NULL, 0,
      "count steps, node loads and triangle tests for the report (slower, same pixels)", 11},
     {0}};
@@ -271,8 +275,9 @@ static gw_code set_debug(gw_draw_options *options, const char *word) {
         }
     const char *near = gw_suggest(word, debug_names, count);
     return gw_fail(options->error, GW_BAD_INPUT,
-                   "--debug '%s' is no view; it is one of none, levels, steps, normals, gaze%s%s%s", word,
-                   near ? " (did you mean '" : "", near ? near : "", near ? "'?)" : "");
+                   "--debug '%s' is no view; it is one of none, levels, steps, normals, gaze, rates, "
+                   "eccentricity, footprint%s%s%s",
+                   word, near ? " (did you mean '" : "", near ? near : "", near ? "'?)" : "");
 }
 
 /* An option that is a setting's other name. */

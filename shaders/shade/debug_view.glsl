@@ -3,6 +3,9 @@
 #define DEBUG_STEPS 2
 #define DEBUG_NORMALS 3
 #define DEBUG_GAZE 4
+#define DEBUG_RATES 5
+#define DEBUG_ECCENTRICITY 6
+#define DEBUG_FOOTPRINT 7
 
 vec3 heat(float x) {
     float c = clamp(x, 0.0, 1.0);
@@ -33,14 +36,38 @@ vec3 debug_fragment(vec3 lit, Surface surface, uint id) {
 #endif
 }
 
-// What a pixel shows instead of its sum; steps: traversal steps of its ray.
-vec3 debug_pixel(vec3 sum, Pixel_ray ray, float steps) {
+#if DEBUG_VIEW == DEBUG_ECCENTRICITY
+// Red at the gaze to blue at 60 degrees from the nearest, darker lines every 10 degrees.
+vec3 eccentricity_color(vec3 sum, vec3 direction) {
+#ifdef GAZE
+    if (frame.counts.x > 0u) {
+        float degrees = eccentricity_at(direction);
+        float line = abs(fract(degrees * 0.1 + 0.5) - 0.5) < 0.03 ? 0.4 : 1.0;
+        return line * (0.5 * sum + 0.5 * heat(1.0 - degrees * (1.0 / 60.0)));
+    }
+#endif
+    return sum;
+}
+#endif
+
+// What a pixel shows instead of its sum; steps: traversal steps of its ray. The picture itself stays visible where a
+// map lies over it.
+vec3 debug_pixel(vec3 sum, Pixel_square square, Pixel_ray ray, float steps) {
 #if DEBUG_VIEW == DEBUG_STEPS
     return heat(steps / 200.0);
 #elif DEBUG_VIEW == DEBUG_GAZE
-    // Warmer where more error is accepted; the picture itself stays visible.
+    // Warmer where more error is accepted.
     float accepted = frame.accuracy.x > frame.accuracy.y ? (ray.tau - frame.accuracy.y) / (frame.accuracy.x - frame.accuracy.y) : 0.0;
     return 0.5 * sum + 0.5 * heat(accepted);
+#elif DEBUG_VIEW == DEBUG_RATES
+    // Pixels on a side that share a ray: red 1, yellow 2, green 4, blue 8.
+    return 0.5 * sum + 0.5 * heat(1.0 - log2(float(square.side)) * (1.0 / 3.0));
+#elif DEBUG_VIEW == DEBUG_ECCENTRICITY
+    return eccentricity_color(sum, ray.direction);
+#elif DEBUG_VIEW == DEBUG_FOOTPRINT
+    // Width of the ray over that of a pixel: red 1 to blue 16.
+    float across = max(pixel_width(ray.direction), 1e-30);
+    return 0.5 * sum + 0.5 * heat(1.0 - log2(max(ray.width / across, 1.0)) * 0.25);
 #else
     return sum;
 #endif

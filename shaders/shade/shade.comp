@@ -5,6 +5,7 @@
 // variants: OCTREE_DEPTH=11 ALPHA=1 RESUME=1 VERTEX_COLORS=1 EMISSIVE=1 POINT_LIGHTS=1 DIRECTIONAL_LIGHTS=1 COUNT=1
 // variants: OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 EMISSIVE=1 VOXEL_EMISSION=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 DEBUG_VIEW=1; OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=2; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=4
+// variants: OCTREE_DEPTH=11 GAZE=1 SPARSE=1 DEBUG_VIEW=5; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=6; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=7
 #ifndef OCTREE_DEPTH
 #define OCTREE_DEPTH 11
 #endif
@@ -76,7 +77,8 @@ void main() {
     uvec2 status = statuses[slot];
     if (!present || (status.x & GW_STATUS_OUTSIDE) != 0u)
         return;
-    Pixel_ray ray = ray_of_square(square_of_slot(slot));
+    Pixel_square square = square_of_slot(slot);
+    Pixel_ray ray = ray_of_square(square);
     vec3 view = -normalize(ray.direction);
     uint count = GW_STATUS_COUNT(status.x);
     float left = uintBitsToFloat(status.y);
@@ -118,7 +120,7 @@ void main() {
 #ifdef COUNT
     steps = float(work_of[slot].x);
 #endif
-    color = debug_pixel(color, ray, steps);
+    color = debug_pixel(color, square, ray, steps);
     if (!all(lessThan(abs(color), vec3(1e30)))) {
         atomicAdd(totals[1], 1u);
         color = frame.background.rgb;

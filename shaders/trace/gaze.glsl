@@ -38,6 +38,19 @@ Acuity acuity_of(gw_viewer viewer, vec3 point) {
     return result;
 }
 
+// Angle between the gaze and a point, at the eye of the viewer for whom it is least; degrees.
+float eccentricity_at(vec3 point) {
+    float least = 180.0;
+    for (uint i = 0u; i < frame.counts.x; ++i) {
+        gw_viewer viewer = frame.viewers[i];
+        precise vec3 towards = point - viewer.eye.xyz;
+        precise float z = dot(towards, viewer.forward.xyz);
+        float from_axis = angle_degrees(length_precise(towards - viewer.forward.xyz * z), abs(z));
+        least = min(least, z < 0.0 ? 180.0 - from_axis : from_axis);
+    }
+    return least;
+}
+
 // Smallest tau and width over all viewers.
 Acuity acuity_at(vec3 point) {
     Acuity best = acuity_of(frame.viewers[0], point);

@@ -61,6 +61,14 @@ float width_across(vec3 pixel_step, vec3 direction, float inverse_squared) {
     return length_precise(across);
 }
 
+// Width of a pixel as seen along the ray through it, per unit of t.
+float pixel_width(vec3 direction) {
+    precise float inverse_squared =
+        1.0 / max(direction.x * direction.x + direction.y * direction.y + direction.z * direction.z, 1e-30);
+    return max(width_across(frame.step_x.xyz, direction, inverse_squared),
+               width_across(frame.step_y.xyz, direction, inverse_squared));
+}
+
 Pixel_ray ray_of_square(Pixel_square square) {
     Pixel_ray ray;
     precise vec2 centre = vec2(square.first) + 0.5 * float(square.side);
@@ -71,11 +79,7 @@ Pixel_ray ray_of_square(Pixel_square square) {
 #endif
     precise vec3 direction = frame.corner.xyz + frame.step_x.xyz * centre.x + frame.step_y.xyz * centre.y;
     ray.direction = direction;
-    precise float inverse_squared =
-        1.0 / max(direction.x * direction.x + direction.y * direction.y + direction.z * direction.z, 1e-30);
-    ray.width = max(width_across(frame.step_x.xyz, direction, inverse_squared),
-                    width_across(frame.step_y.xyz, direction, inverse_squared));
-    ray.width *= side;
+    ray.width = pixel_width(direction) * side;
     ray.tau = frame.accuracy.y;
 #ifdef GAZE
     if (frame.counts.x > 0u) {

@@ -257,6 +257,31 @@ static void coarse_blocks_stay_as_they_are(void **state) {
     free(finer);
 }
 
+/* Red minus blue of a pixel: warm where a map says sharp. */
+static int warmth(const uint8_t *rgba, int x, int y) {
+    const uint8_t *pixel = rgba + ((size_t)y * SIDE + (size_t)x) * 4;
+    return pixel[0] - pixel[2];
+}
+
+/* Maps over the picture are warm at the gaze and cold far from it, and pure functions of the wall like it. */
+static void maps_show_where_it_is_sharp(void **state) {
+    static const uint8_t views[] = {GW_DEBUG_RATES, GW_DEBUG_ECCENTRICITY, GW_DEBUG_FOOTPRINT};
+    uint8_t *plain = picture(&camera, renderer, NULL);
+    (void)state;
+    for (size_t i = 0; i < sizeof views; ++i) {
+        gw_camera map = camera, blind = camera;
+        map.state.debug = blind.state.debug = views[i];
+        check_splits(&map);
+        uint8_t *shown = picture(&map, renderer, NULL);
+        assert_true(warmth(shown, 30, 40) - warmth(plain, 30, 40) > 30);
+        assert_true(warmth(shown, 118, 118) - warmth(plain, 118, 118) < -30);
+        blind.state.gaze_count = 0;
+        free(picture(&blind, renderer, NULL));
+        free(shown);
+    }
+    free(plain);
+}
+
 /* A tile of one block's width and more rows than a sample's word could count. */
 static void a_tall_tile_is_drawn_in_pieces(void **state) {
     enum { TALL = 9000, FROM = 8400 };
@@ -327,6 +352,7 @@ int main(void) {
         cmocka_unit_test(splits_give_the_same_pixels),
         cmocka_unit_test(more_rays_come_closer),
         cmocka_unit_test(coarse_blocks_stay_as_they_are),
+        cmocka_unit_test(maps_show_where_it_is_sharp),
         cmocka_unit_test(a_tall_tile_is_drawn_in_pieces),
         cmocka_unit_test(sharp_blocks_are_those_of_the_full_picture),
         cmocka_unit_test(forced_without_need_changes_nothing),

@@ -67,7 +67,8 @@ struct cell_shape {
 // A voxel that is hit is hit: a solid of the cell's mean opacity.
 cell_shape shape_of(surface_sum sum, float inverse_count) {
     precise float opacity = sum.moment.x * inverse_count;
-    precise float thickness = opacity * gw_reciprocal(1.0 - opacity + opacity * (1.0 / GW_PAYLOAD_AREA_MOST));
+    // Twice, since a two-sided voxel counts by half.
+    precise float thickness = 2.0 * opacity * gw_reciprocal(1.0 - opacity + opacity * (2.0 / GW_PAYLOAD_AREA_MOST));
     vec3 direction = length_of(sum.normal) > 0.0 ? sum.normal : sum.aligned;
     return cell_shape(direction, true, direction == vec3(0.0), false, GW_PAYLOAD_SOLID, 0.0, thickness);
 }

@@ -82,7 +82,8 @@ Voxel_opacity payload_opacity(uvec3 payload, vec3 normal, vec3 enter, vec3 leave
     precise float cloud = area * mix(0.5 * travel, rise, agreement);
     // Where normals were turned to one side before their mean was taken (a ridge, a fold), the mean says little of a ray
     // across it: normals at the angle acos(agreement) about it face that ray by up to the sine.
-    bool folded = two_sided && agreement < FOLD_AGREEMENT;
+    bool solid = payload.y >> 24 == GW_PAYLOAD_SOLID; // of the seed rule
+    bool folded = two_sided && (agreement < FOLD_AGREEMENT || solid);
     precise float across = area * sqrt((1.0 - agreement * agreement) * max(travel * travel - rise * rise, 0.0));
     cloud = folded ? max(cloud, 0.9 * across) : cloud;
     cloud = separated ? absorbed(cloud) : min(cloud, 1.0);

@@ -61,6 +61,18 @@ static gw_code add_scene(gw_bench *bench, const char *path, gw_error *error) {
     return GW_OK;
 }
 
+/* "build, peers ... or rebuild". */
+static const char *names_of_kinds(char text[200]) {
+    size_t used = 0;
+    for (size_t i = 0; i < KIND_COUNT; i++)
+        used += (size_t)snprintf(text + used, 200 - used, "%s%s",
+                                 i == 0                ? ""
+                                 : i + 1 == KIND_COUNT ? " or "
+                                                       : ", ",
+                                 kinds[i].name);
+    return text;
+}
+
 static gw_code choose_kind(bench_options *o, const char *word, gw_error *error) {
     const char *names[KIND_COUNT];
     for (size_t i = 0; i < KIND_COUNT; i++) {
@@ -76,11 +88,9 @@ static gw_code choose_kind(bench_options *o, const char *word, gw_error *error) 
         return gw_fail(error, GW_BAD_INPUT, "'%s' is one word too many; bench measures one thing at a time",
                        word);
     const char *near = gw_suggest(word, names, KIND_COUNT);
-    return gw_fail(
-        error, GW_BAD_INPUT,
-        "there is no bench '%s'; it is build, peers, modes, layouts, table2, growth, resident, voxelise "
-        "or rebuild%s%s%s",
-        word, near ? " (did you mean '" : "", near ? near : "", near ? "'?)" : "");
+    char all[200];
+    return gw_fail(error, GW_BAD_INPUT, "there is no bench '%s'; it is %s%s%s%s", word, names_of_kinds(all),
+                   near ? " (did you mean '" : "", near ? near : "", near ? "'?)" : "");
 }
 
 static error_t parse_bench(int key, char *argument, struct argp_state *state) {
@@ -129,7 +139,8 @@ static const struct argp bench_argp = {
         "against exact triangles, and the error to 16 rays a pixel, plain and as a viewer sees it who looks "
         "at the "
         "centre.\n"
-        "layouts: traces them through other forms of the octree's nodes (Weier et al.'s, 4x4x4 children, a "
+        "layouts: traces the rays of peers through other forms of the octree's nodes (Weier et al.'s, 4x4x4 "
+        "children, a "
         "root "
         "grid), other fetches, stacks and traversals, in turns: bytes, counted work, ratio to what ships; "
         "fails "
@@ -197,6 +208,7 @@ static gw_code prepare(bench_options *o, int argc, char **argv, gw_error *error)
 
 int gw_verb_bench(int argc, char **argv) {
     static bench_options o;
+    char all[200];
     gw_bench *bench = &o.bench;
     gw_error error = {0};
     int helped = 0;
@@ -208,10 +220,7 @@ int gw_verb_bench(int argc, char **argv) {
         code =
             gw_fail(&error, GW_BAD_INPUT, "bench %s makes its own scenes: leave --scene out", o.kind->name);
     if (!code && !o.kind)
-        code = gw_fail(
-            &error, GW_BAD_INPUT,
-            "say what to measure: gazewall bench build, peers, modes, layouts, table2, growth, resident, "
-            "voxelise or rebuild");
+        code = gw_fail(&error, GW_BAD_INPUT, "say what to measure: gazewall bench %s", names_of_kinds(all));
     if (!code)
         code = gw_file_writable(bench->draw.report, &error);
     if (!code && bench->out)

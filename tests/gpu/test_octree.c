@@ -1,36 +1,13 @@
 /* The octree build: structure, determinism, stopping rules, payload. */
+#include "tests/support/device.h"
+
 #include "build/octree.h"
 #include "tests/support/meshes.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
-
-static gw_gl *device;
-
-static int open_device(void **state) {
-    gw_error error = {0};
-    gw_gl_options options = {0};
-    (void)state;
-    if (gw_gl_create(&options, &device, &error) != GW_OK) {
-        print_error("%s\n", error.text);
-        return -1;
-    }
-    return 0;
-}
-
-static int close_device(void **state) {
-    (void)state;
-    gw_gl_destroy(&device);
-    return 0;
-}
 
 static gw_scene *scene_of(gw_mesh *mesh) {
     gw_error error = {0};

@@ -1,29 +1,10 @@
 /* One octree built in parts by several builders: the same bytes as built alone, balanced, and damage noticed.
  */
-#include "tests/support/check.h"
+#include "tests/support/device.h"
 
 #include "build/demo_scene.h"
 #include "build/octree_part.h"
 #include "tests/support/meshes.h"
-
-static gw_gl *device;
-
-static int open_device(void **state) {
-    gw_error error = {0};
-    gw_gl_options options = {0};
-    (void)state;
-    if (gw_gl_create(&options, &device, &error) != GW_OK) {
-        print_error("%s\n", error.text);
-        return -1;
-    }
-    return 0;
-}
-
-static int close_device(void **state) {
-    (void)state;
-    gw_gl_destroy(&device);
-    return 0;
-}
 
 /* Spheres of unlike density, a plane of two large triangles through the split cells, a speck far away: leaves
  * above, at and below every split level. */

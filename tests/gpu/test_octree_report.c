@@ -1,25 +1,10 @@
 /* The octree's report and pictures against the octree itself, and what buffers the build leaves behind. */
 #include "build/octree_picture.h"
 #include "build/octree_report.h"
-#include "tests/support/check.h"
+#include "tests/support/device.h"
 #include "tests/support/meshes.h"
 
 #include <math.h>
-
-static gw_gl *device;
-
-static int open_device(void **state) {
-    gw_gl_options options = {0};
-    (void)state;
-    check_ok(gw_gl_create(&options, &device, &error));
-    return 0;
-}
-
-static int close_device(void **state) {
-    (void)state;
-    gw_gl_destroy(&device);
-    return 0;
-}
 
 static gw_scene *sphere_scene(void) {
     const double centre[3] = {1, 2, 3};

@@ -5,6 +5,8 @@
  * double-precision search over all triangles: a disagreement is explained when the double result is ours, or
  * when the double result itself hangs on a border (a triangle edge, a grazing plane, two surfaces at one
  * distance) that float arithmetic cannot resolve. What is left is unexplained and fails the test. */
+#include "tests/support/device.h"
+
 #include "build/demo_scene.h"
 #include "build/import.h"
 #include "build/octree.h"
@@ -14,16 +16,10 @@
 
 #include <embree3/rtcore.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 enum { RAYS = 1 << 18 };
 /* Of the triangle's barycentric coordinates: nearer to an edge than this, float may decide either way. */
@@ -31,21 +27,6 @@ static const double EDGE_BAND = 2e-5;
 /* Relative distance between hits that count as one surface, and what is added to it: an ulp of the
  * coordinates, which decides for rays that start next to a surface. */
 static const double DISTANCE_BAND = 1e-4, DISTANCE_FLOOR = 0x1p-23;
-
-static gw_gl *device;
-
-static int open_device(void **state) {
-    gw_error error = {0};
-    gw_gl_options options = {0};
-    (void)state;
-    return gw_gl_create(&options, &device, &error) == GW_OK ? 0 : -1;
-}
-
-static int close_device(void **state) {
-    (void)state;
-    gw_gl_destroy(&device);
-    return 0;
-}
 
 /* One double-precision crossing of a ray and a triangle's plane. */
 typedef struct crossing {

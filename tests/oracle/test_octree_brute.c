@@ -2,28 +2,13 @@
  * what goes wrong: vertices and faces in cell planes, needles, sizes from the whole scene to a millionth,
  * fans, copies, small things alone. GW_TEST_SEED=N repeats one case. */
 #include "build/octree.h"
-#include "tests/support/check.h"
+#include "tests/support/device.h"
 #include "tests/support/meshes.h"
 #include "tests/support/octree_brute.h"
 
 #include <math.h>
 
 enum { CASES = 24 };
-
-static gw_gl *device;
-
-static int open_device(void **state) {
-    gw_gl_options options = {0};
-    (void)state;
-    check_ok(gw_gl_create(&options, &device, &error));
-    return 0;
-}
-
-static int close_device(void **state) {
-    (void)state;
-    gw_gl_destroy(&device);
-    return 0;
-}
 
 static double between(uint64_t *random, double low, double high) {
     return low + (high - low) * gw_test_random(random);

@@ -137,8 +137,9 @@ gw_code gw_conductor_describe(gw_conductor *conductor, const struct gw_rank *ran
                                       scene->material_count, scene->texture_count);
     double bytes = (double)gw_octree_bytes(octree);
     conductor->octree_line = make_text(
-        "depth %" PRIu32 ", %" PRIu32 " nodes, %.1f MiB, built in %.2f s on %s, one copy for %d rank%s",
-        octree->depth, octree->node_count, bytes / 1048576.0, model->build_ms * 1e-3, limits->renderer,
+        "depth %" PRIu32 ", %" PRIu32 " nodes, %.1f MiB, %s in %.2f s on %s, one copy for %d rank%s",
+        octree->depth, octree->node_count, bytes / 1048576.0,
+        model->from_cache ? "read from the cache" : "built", model->build_ms * 1e-3, limits->renderer,
         rank->size, rank->size == 1 ? "" : "s");
     return gw_report_floats(conductor->report, model->device, error);
 }

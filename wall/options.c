@@ -325,7 +325,7 @@ static error_t parse_draw(int key, char *argument, struct argp_state *state) {
         code = set_debug(options, argument);
         break;
     case KEY_REPORT:
-        options->report = argument;
+        code = gw_parse_name("--report", argument, &options->report, error);
         break;
     case KEY_SHADERS:
         options->shaders = argument;
@@ -388,6 +388,11 @@ char *gw_cache_folder(const gw_draw_options *options) {
     if (base && base[0] == '/') /* the specification: relative ones are ignored */
         return gw_path_join(base, "gazewall");
     return home && home[0] == '/' ? gw_path_join(home, ".cache/gazewall") : NULL;
+}
+
+gw_code gw_parse_name(const char *option, const char *argument, const char **out, gw_error *error) {
+    *out = argument;
+    return *argument ? GW_OK : gw_fail(error, GW_BAD_INPUT, "%s has an empty name", option);
 }
 
 gw_code gw_stray_argument(const char *argument, gw_error *error) {

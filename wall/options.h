@@ -60,6 +60,9 @@ gw_code gw_parse_integer(const char *name, const char *text, int64_t minimum, in
  * folder (XDG base directories); free() it. NULL: nothing is kept. */
 char *gw_cache_folder(const gw_draw_options *options);
 
+/* A file or folder to write: GW_BAD_INPUT when its name is empty. option is "--out". */
+gw_code gw_parse_name(const char *option, const char *argument, const char **out, gw_error *error);
+
 /* The mistake of a word that belongs to no option. */
 gw_code gw_stray_argument(const char *argument, gw_error *error);
 

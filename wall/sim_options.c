@@ -237,10 +237,10 @@ static error_t parse_sim(int key, char *argument, struct argp_state *state) {
         options->states = argument;
         break;
     case KEY_SAVE_STATES:
-        options->save_states = argument;
+        code = gw_parse_name("--save-states", argument, &options->save_states, error);
         break;
     case KEY_OUT:
-        options->out = argument;
+        code = gw_parse_name("--out", argument, &options->out, error);
         break;
     case KEY_LINK:
         options->link = argument;

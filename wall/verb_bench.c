@@ -103,7 +103,7 @@ static error_t parse_bench(int key, char *argument, struct argp_state *state) {
         state->child_inputs[0] = &o->bench.draw;
         break;
     case KEY_OUT:
-        o->bench.out = argument;
+        code = gw_parse_name("--out", argument, &o->bench.out, error);
         break;
     case KEY_QUICK:
         o->bench.quick = 1;

@@ -52,8 +52,7 @@ static error_t parse_inspect(int key, char *argument, struct argp_state *state) 
         o->device = 1;
         return 0;
     case KEY_OUT:
-        o->out = argument;
-        return 0;
+        return gw_parse_name("--out", argument, &o->out, o->draw.error) ? EINVAL : 0;
     case KEY_VALIDATE:
         o->validate = 1;
         return 0;

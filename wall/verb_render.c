@@ -98,7 +98,7 @@ static error_t parse_render(int key, char *argument, struct argp_state *state) {
         code = gw_parse_number("--wall-width", argument, 10, 1e6, &o->wall.wall_width, error);
         break;
     case KEY_OUT:
-        o->out = argument;
+        code = gw_parse_name("--out", argument, &o->out, error);
         break;
     case KEY_VIEWPOINT:
         o->viewpoint = argument;

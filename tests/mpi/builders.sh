@@ -89,5 +89,7 @@ is "by default octrees are kept in the user's cache" "$(find user/gazewall -name
 expect "render finds what sim has kept" 0 "read from" render --scene "$folder/sheet.obj" --set octree_depth=7 --size 32x32 --cache "$folder/user/gazewall" --out r.png
 expect "a cache needs a name" 2 "--cache has an empty name" sim --cache ""
 expect "a limit of nothing" 2 "--cache-limit" sim --cache-limit 0
+expect "an output without a name" 2 "--out has an empty name" inspect --out ""
+expect "a report without a name" 2 "--report has an empty name" sim --report ""
 expect "no builders" 2 "--builders" sim --builders 0
 finish

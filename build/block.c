@@ -8,11 +8,11 @@ uint64_t gw_block_align(uint64_t offset) {
     return (offset + (ALIGNMENT - 1)) & ~(uint64_t)(ALIGNMENT - 1);
 }
 
-uint64_t gw_block_place(size_t head_size, gw_block_span *spans, uint32_t count) {
+uint64_t gw_block_place(size_t head_size, const uint64_t *sizes, gw_block_span *spans, uint32_t count) {
     uint64_t offset = gw_block_align(head_size);
     for (uint32_t i = 0; i < count; i++) {
-        spans[i].offset = offset;
-        offset = gw_block_align(offset + spans[i].size);
+        spans[i] = (gw_block_span){.offset = offset, .size = sizes[i]};
+        offset = gw_block_align(offset + sizes[i]);
     }
     return offset;
 }

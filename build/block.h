@@ -21,9 +21,8 @@ typedef struct gw_block_span {
     uint64_t offset, size; /* bytes, offset from the block's start */
 } gw_block_span;
 
-/* Gives every section its place behind a head of head_size bytes; sizes are in spans[].size. Returns the
- * block's size. */
-uint64_t gw_block_place(size_t head_size, gw_block_span *spans, uint32_t count);
+/* Gives every section of sizes[] its place behind a head of head_size bytes. Returns the block's size. */
+uint64_t gw_block_place(size_t head_size, const uint64_t *sizes, gw_block_span *spans, uint32_t count);
 
 /* Rounds up to the next section boundary. */
 uint64_t gw_block_align(uint64_t offset);

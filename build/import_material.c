@@ -2,6 +2,7 @@
 #include "build/import_internal.h"
 
 #include "base/memory.h"
+#include "base/srgb.h"
 #include "build/model_path.h"
 
 #include <assimp/GltfMaterial.h>
@@ -13,8 +14,7 @@
 #include <string.h>
 
 float gw_linear_from_srgb(float value) {
-    const double v = value;
-    return (float)(v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4));
+    return (float)gw_srgb_to_linear((double)value);
 }
 
 static float clamp01(double value) {

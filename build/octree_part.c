@@ -145,9 +145,7 @@ static gw_code pack(maker *m, gw_octree_part *out, gw_error *error) {
     if (!head->counting)
         count_owned(m);
     section_sizes(head, m->octree->emissions != NULL, sizes);
-    for (int i = 0; i < SECTION_COUNT; i++)
-        head->sections[i].size = sizes[i];
-    head->head.size = gw_block_place(sizeof *head, head->sections, SECTION_COUNT);
+    head->head.size = gw_block_place(sizeof *head, sizes, head->sections, SECTION_COUNT);
     gw_code code = gw_allocate(&out->data, (size_t)head->head.size, 1, what, error);
     if (code)
         return code;

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/memory.h"
+#include "base/srgb.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -131,8 +132,7 @@ static gw_code upload_thresholds(payload_stage *stage, gw_error *error) {
     float thresholds[1024];
     thresholds[0] = 0;
     for (int i = 1; i < 1024; ++i) {
-        double v = (i - 0.5) / 1023.0;
-        thresholds[i] = (float)(v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4));
+        thresholds[i] = (float)gw_srgb_to_linear((i - 0.5) / 1023.0);
     }
     return gw_gl_buffer_create(stage->builder->device, "sRGB thresholds", sizeof thresholds, thresholds, 0,
                                &stage->builder->inputs.thresholds, error);

@@ -57,9 +57,7 @@ static void make_header(const gw_animation *animation, header *head) {
                      .binding_count = animation->binding_count,
                      .vertex_count = animation->vertex_count};
     section_sizes(head, sizes);
-    for (int i = 0; i < SECTION_COUNT; i++)
-        head->sections[i].size = sizes[i];
-    head->head.size = gw_block_place(sizeof *head, head->sections, SECTION_COUNT);
+    head->head.size = gw_block_place(sizeof *head, sizes, head->sections, SECTION_COUNT);
 }
 
 size_t gw_pack_animation_size(const gw_animation *animation) {

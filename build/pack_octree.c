@@ -58,12 +58,12 @@ static void make_header(const gw_octree *octree, header *head) {
     head->reference_count = octree->reference_count;
     memcpy(head->level_begin, octree->level_begin, sizeof head->level_begin);
     put_statistics(&octree->statistics, head->statistics);
-    head->sections[NODES].size = gw_octree_node_bytes(octree);
-    head->sections[PAYLOADS].size = gw_octree_payload_bytes(octree);
-    head->sections[REFERENCES].size = gw_octree_reference_bytes(octree);
-    head->sections[EMISSIONS].size = gw_octree_emission_bytes(octree);
-    head->sections[BOXES].size = gw_octree_box_bytes(octree);
-    head->head.size = gw_block_place(sizeof *head, head->sections, SECTION_COUNT);
+    const uint64_t sizes[SECTION_COUNT] = {[NODES] = gw_octree_node_bytes(octree),
+                                           [PAYLOADS] = gw_octree_payload_bytes(octree),
+                                           [REFERENCES] = gw_octree_reference_bytes(octree),
+                                           [EMISSIONS] = gw_octree_emission_bytes(octree),
+                                           [BOXES] = gw_octree_box_bytes(octree)};
+    head->head.size = gw_block_place(sizeof *head, sizes, head->sections, SECTION_COUNT);
 }
 
 size_t gw_pack_octree_size(const gw_octree *octree) {

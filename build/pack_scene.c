@@ -98,9 +98,7 @@ static void make_header(const gw_scene *scene, header *head) {
         pixel_bytes += gw_block_align(texture_bytes(&scene->textures[i]));
     section_sizes(head, pixel_bytes, scene->animation ? gw_pack_animation_size(scene->animation) : 0,
                   scene->path ? strlen(scene->path) + 1 : 1, sizes);
-    for (int i = 0; i < SECTION_COUNT; i++)
-        head->sections[i].size = sizes[i];
-    head->head.size = gw_block_place(sizeof *head, head->sections, SECTION_COUNT);
+    head->head.size = gw_block_place(sizeof *head, sizes, head->sections, SECTION_COUNT);
 }
 
 size_t gw_pack_scene_size(const gw_scene *scene) {

@@ -1,6 +1,7 @@
 #include "build/texture_chain.h"
 
 #include "base/memory.h"
+#include "base/srgb.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -22,9 +23,7 @@ typedef struct texel_sum {
 /* sRGB-encoded byte to linear light, 0..65535 (IEC 61966-2-1). */
 static void fill_decode_table(uint16_t table[256]) {
     for (int i = 0; i < 256; ++i) {
-        double v = i / 255.0;
-        double linear = v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
-        table[i] = (uint16_t)(linear * 65535.0 + 0.5);
+        table[i] = (uint16_t)(gw_srgb_code_to_linear((uint8_t)i) * 65535.0 + 0.5);
     }
 }
 

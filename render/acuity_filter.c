@@ -2,6 +2,7 @@
 #include "render/acuity_filter.h"
 
 #include "base/memory.h"
+#include "base/srgb.h"
 #include "render/sparse.h"
 
 #include <math.h>
@@ -12,16 +13,6 @@ static const double deviation_of_period = 0.18739;
 /* Below this deviation, px, and with it a neighbour's share of 1e-3, nothing is blurred; above the other one
  * the window would be wider than any difference of interest. */
 static const double least_deviation = 0.27, most_deviation = 40.0;
-
-static double linear_of(uint8_t code) {
-    double v = code / 255.0;
-    return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
-}
-
-static uint8_t code_of(double linear) {
-    double v = linear <= 0.0031308 ? linear * 12.92 : 1.055 * pow(linear, 1 / 2.4) - 0.055;
-    return (uint8_t)(fmin(fmax(v, 0), 1) * 255 + 0.5);
-}
 
 static void blur_pixel(const float *linear, int width, int height, int x, int y, double deviation,
                        uint8_t *out) {
@@ -37,7 +28,7 @@ static void blur_pixel(const float *linear, int width, int height, int x, int y,
             weights += weight;
         }
     for (int c = 0; c < 3; ++c)
-        out[c] = code_of(sum[c] / weights);
+        out[c] = gw_srgb_code_from_linear(sum[c] / weights);
 }
 
 gw_code gw_acuity_filter(const gw_image *picture, const gw_frame_block *block, gw_image *out,
@@ -48,7 +39,7 @@ gw_code gw_acuity_filter(const gw_image *picture, const gw_frame_block *block, g
     if (!code)
         code = gw_allocate((void **)&linear, pixels * 3, sizeof *linear, "picture in linear light", error);
     for (size_t i = 0; !code && i < pixels * 3; ++i)
-        linear[i] = (float)linear_of(picture->rgba[i / 3 * 4 + i % 3]);
+        linear[i] = (float)gw_srgb_code_to_linear(picture->rgba[i / 3 * 4 + i % 3]);
     for (size_t i = 0; !code && i < pixels; ++i) {
         int x = (int)(i % picture->width), y = (int)(i / picture->width);
         uint8_t *to = out->rgba + i * 4;

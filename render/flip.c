@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "base/portable_math.h"
+#include "base/srgb.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -56,11 +57,6 @@ static void invert(const double m[3][3], double out[3][3]) {
 static void white(double out[3]) {
     static const double ones[3] = {1, 1, 1};
     multiply(to_xyz, ones, out);
-}
-
-static double linear_of(uint8_t code) {
-    double v = code / 255.0;
-    return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
 }
 
 /* YCxCz, a linear opponent space: L*a*b* without its cube roots. */
@@ -190,8 +186,9 @@ static gw_code make_planes(const gw_image *image, planes *out, gw_error *error) 
     for (int c = 0; !code && c < 3; ++c)
         code = gw_allocate((void **)&out->values[c], pixels, sizeof(float), "picture", error);
     for (size_t i = 0; !code && i < pixels; ++i) {
-        const double rgb[3] = {linear_of(image->rgba[i * 4]), linear_of(image->rgba[i * 4 + 1]),
-                               linear_of(image->rgba[i * 4 + 2])};
+        const double rgb[3] = {gw_srgb_code_to_linear(image->rgba[i * 4]),
+                               gw_srgb_code_to_linear(image->rgba[i * 4 + 1]),
+                               gw_srgb_code_to_linear(image->rgba[i * 4 + 2])};
         double opponent[3];
         to_opponent(rgb, opponent);
         for (int c = 0; c < 3; ++c)

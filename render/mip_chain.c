@@ -2,17 +2,14 @@
 #include "render/mip_chain.h"
 
 #include "base/memory.h"
+#include "base/srgb.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-static double srgb_to_linear(double v) {
-    return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
-}
-
 static void fill_decode_table(uint16_t table[256]) {
     for (int i = 0; i < 256; ++i)
-        table[i] = (uint16_t)lround(srgb_to_linear(i / 255.0) * 65535.0);
+        table[i] = (uint16_t)lround(gw_srgb_to_linear(i / 255.0) * 65535.0);
 }
 
 /* Where an output position falls in the source: up to two source texels and the share of the second when
@@ -138,19 +135,15 @@ void gw_linear_image_halve(gw_linear_image *image) {
     image->side = half;
 }
 
-static double linear_to_srgb(double v) {
-    return v <= 0.0031308 ? v * 12.92 : 1.055 * pow(v, 1.0 / 2.4) - 0.055;
-}
-
 void gw_linear_image_encode(const gw_linear_image *image, uint8_t *rgba) {
     /* Bounds between neighbouring bytes, so that encoding is a search and not a power per texel. */
     uint16_t least[256];
     uint8_t guess[257]; /* byte of the least value with these upper eight bits */
     least[0] = 0;
     for (int i = 1; i < 256; ++i)
-        least[i] = (uint16_t)ceil(srgb_to_linear((i - 0.5) / 255.0) * 65535.0);
+        least[i] = (uint16_t)ceil(gw_srgb_to_linear((i - 0.5) / 255.0) * 65535.0);
     for (int i = 0; i <= 256; ++i)
-        guess[i] = (uint8_t)floor(linear_to_srgb(fmin(i * 256 / 65535.0, 1.0)) * 255.0);
+        guess[i] = (uint8_t)floor(gw_srgb_from_linear(fmin(i * 256 / 65535.0, 1.0)) * 255.0);
     size_t count = (size_t)image->side * image->side;
     for (size_t i = 0; i < count; ++i) {
         for (int c = 0; c < 3; ++c) {

@@ -85,10 +85,18 @@ render base|build|render|shaders/common
 LAYERS
 }
 
+# What lies at the top level and does not belong there, committed or not.
+stray_entries() {
+    find . -mindepth 1 -maxdepth 1 -printf '%f\n' | grep -vxE \
+        'wall|render|build|tracking|shaders|configs|tests|base|docs|out|Makefile|README\.md|LICENSE|\.git|\.ci|\.gitignore|\.clang-format' |
+        sort
+}
+
 check_rules() {
     local below_wall=(base tracking build render)
     report "unfinished work is marked" "$(grep -nHwE 'TO[D]O|FIX[M]E|X[X]X|HAC[K]' "${texts[@]}")"
     report "tabs or trailing blanks" "$(grep -nHP '\t|[ \t]+$' "${sources[@]}" "${headers[@]}" "${shaders[@]}")"
+    report "the top level is fixed: code in its folders, what is made in out/" "$(stray_entries)"
     report "a path of one machine" "$(grep -nHE '/wor[k]/|/hom[e]/|/roo[t]/' "${texts[@]}")"
     report "only wall/ and the import child may print or end the program" \
         "$(find "${below_wall[@]}" -name '*.c' ! -name 'import_child*.c' -exec \

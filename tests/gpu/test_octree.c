@@ -9,15 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static gw_scene *scene_of(gw_mesh *mesh) {
-    gw_error error = {0};
-    gw_scene *scene = NULL;
-    if (gw_mesh_scene(mesh, &scene, &error) != GW_OK)
-        fail_msg("%s", error.text);
-    gw_mesh_finish(mesh);
-    return scene;
-}
-
 static gw_octree *build(const gw_scene *scene, const gw_settings *settings, uint64_t part_limit) {
     gw_error error = {0};
     gw_octree *octree = NULL;
@@ -37,7 +28,7 @@ static gw_scene *sphere_scene(uint32_t around) {
     gw_mesh mesh = {0};
     const double centre[3] = {3, -2, 1};
     gw_mesh_add_sphere(&mesh, centre, 0.5, 0.1, around, around / 2);
-    return scene_of(&mesh);
+    return gw_mesh_take(&mesh);
 }
 
 static double area_of(gw_payload payload) {
@@ -123,7 +114,7 @@ static void test_input_order_does_not_matter(void **state) {
         memcpy(shuffled.triangles[i], shuffled.triangles[j], sizeof keep);
         memcpy(shuffled.triangles[j], keep, sizeof keep);
     }
-    gw_scene *a = scene_of(&mesh), *b = scene_of(&shuffled);
+    gw_scene *a = gw_mesh_take(&mesh), *b = gw_mesh_take(&shuffled);
     gw_octree *first = build(a, &settings, 0), *second = build(b, &settings, 0);
     assert_true(gw_hash_equal(first->hash, second->hash));
     gw_octree_destroy(&first);
@@ -180,7 +171,7 @@ static void test_isolation_rule_gives_small_things_a_voxel(void **state) {
     settings.octree_depth = 13;
     gw_mesh_add_grid(&mesh, corner, u, v, 2, 2);
     gw_mesh_add_tetrahedron(&mesh, place, 0.0005);
-    gw_scene *scene = scene_of(&mesh);
+    gw_scene *scene = gw_mesh_take(&mesh);
     gw_octree *with = build(scene, &settings, 0);
     settings.isolation_rule = 0;
     gw_octree *without = build(scene, &settings, 0);
@@ -207,7 +198,7 @@ static void test_payload_conserves_area_and_color(void **state) {
     (void)state;
     gw_settings_init(&settings);
     gw_mesh_add_grid(&mesh, corner, u, v, 37, 23);
-    gw_scene *scene = scene_of(&mesh);
+    gw_scene *scene = gw_mesh_take(&mesh);
     double scale = ldexp(1, -scene->exponent);
     double area = 2 * sqrt(0.37 * 0.37 + 4) * scale * scale / 4; /* over the root's face */
     for (int depth = 2; depth <= 10; depth += 4) {
@@ -251,7 +242,7 @@ static void test_triangles_in_cell_faces_count_once(void **state) {
             v[(axis + 2) % 3] = 1;
             gw_mesh_add_grid(&mesh, corner, u, v, 8u << (sheet + 1), 8);
         }
-        gw_scene *scene = scene_of(&mesh);
+        gw_scene *scene = gw_mesh_take(&mesh);
         double scale = ldexp(1, -scene->exponent);
         assert_true(fabs(stored_area(scene, 6) - 3 * scale * scale / 4) < 1e-3);
         gw_scene_destroy(&scene);
@@ -278,7 +269,7 @@ static void test_planes_through_cell_edges_count_once(void **state) {
         gw_mesh_add_grid(&mesh, corner, u, v, 3, 5);
         double length_u = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
         double length_v = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-        gw_scene *scene = scene_of(&mesh);
+        gw_scene *scene = gw_mesh_take(&mesh);
         double scale = ldexp(1, -scene->exponent);
         double area = length_u * length_v * scale * scale / 4;
         for (int depth = 1; depth <= 7; depth += 2) {
@@ -316,7 +307,7 @@ static void test_random_triangles_keep_their_area(void **state) {
         area += 0.5 * sqrt(x * x + y * y + z * z);
     }
     print_message("seed 2026\n");
-    gw_scene *scene = scene_of(&mesh);
+    gw_scene *scene = gw_mesh_take(&mesh);
     double scale = ldexp(1, -scene->exponent), expected = area * scale * scale / 4;
     assert_true(expected < 15); /* below saturation, so the comparison means something */
     for (int depth = 2; depth <= 11; depth += 3) {
@@ -337,7 +328,7 @@ static void test_opposed_normals_are_two_sided(void **state) {
     settings.octree_depth = 5;
     gw_mesh_add_grid(&mesh, a, u, v, 8, 8);
     gw_mesh_add_grid(&mesh, b, v, u, 8, 8);
-    gw_scene *scene = scene_of(&mesh);
+    gw_scene *scene = gw_mesh_take(&mesh);
     gw_octree *octree = build(scene, &settings, 0);
     validate(scene, octree);
     assert_true(octree->payloads[0].color & GW_PAYLOAD_TWO_SIDED);
@@ -354,7 +345,7 @@ static void test_one_triangle(void **state) {
     gw_settings_init(&settings);
     gw_mesh_triangle(&mesh, gw_mesh_point(&mesh, 0, 0, 0), gw_mesh_point(&mesh, 1, 0, 0),
                      gw_mesh_point(&mesh, 0, 1, 0));
-    gw_scene *scene = scene_of(&mesh);
+    gw_scene *scene = gw_mesh_take(&mesh);
     gw_octree *octree = build(scene, &settings, 0);
     validate(scene, octree);
     assert_int_equal(octree->statistics.longest_list, 1);
@@ -374,7 +365,7 @@ static void test_coincident_triangles(void **state) {
     uint32_t a = gw_mesh_point(&mesh, 0, 0, 0), b = gw_mesh_point(&mesh, 1, 0, 0.2);
     for (int i = 0; i < 10000; ++i)
         gw_mesh_triangle(&mesh, a, b, gw_mesh_point(&mesh, 0, 1, 0.3 + i * 0x1p-22));
-    gw_scene *scene = scene_of(&mesh);
+    gw_scene *scene = gw_mesh_take(&mesh);
     gw_octree *octree = build(scene, &settings, 0);
     validate(scene, octree);
     assert_int_equal(octree->statistics.longest_list, 10000);

@@ -17,8 +17,7 @@ static gw_scene *mixed_scene(void) {
     gw_mesh_add_sphere(&mesh, coarse, 0.4, 0, 16, 8);
     gw_mesh_add_grid(&mesh, corner, u, v, 1, 1);
     gw_mesh_add_tetrahedron(&mesh, speck, 0.004);
-    check_ok(gw_mesh_scene(&mesh, &scene, &error));
-    gw_mesh_finish(&mesh);
+    scene = gw_mesh_take(&mesh);
     return scene;
 }
 
@@ -121,8 +120,7 @@ static void test_parts_without_work(void **state) {
     (void)state;
     gw_settings_init(&settings);
     gw_mesh_add_tetrahedron(&mesh, centre, 1);
-    check_ok(gw_mesh_scene(&mesh, &scene, &error));
-    gw_mesh_finish(&mesh);
+    scene = gw_mesh_take(&mesh);
     check_counts(scene, &settings, counts, 2);
     gw_scene_destroy(&scene);
 }
@@ -160,8 +158,7 @@ static void test_work_is_balanced(void **state) {
     (void)state;
     gw_mesh_add_sphere(&mesh, centre, 0.3, 0.1, 160, 80);
     gw_mesh_add_grid(&mesh, corner, u, v, 1, 1);
-    check_ok(gw_mesh_scene(&mesh, &scene, &error));
-    gw_mesh_finish(&mesh);
+    scene = gw_mesh_take(&mesh);
     gw_settings_init(&settings);
     settings.octree_depth = 9;
     gw_octree_options options = {.settings = &settings};

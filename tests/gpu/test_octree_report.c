@@ -16,8 +16,7 @@ static gw_scene *sphere_scene(void) {
         gw_mesh_triangle(&mesh, gw_mesh_point(&mesh, 0, 2, 3), gw_mesh_point(&mesh, 0.001, 2, 3),
                          gw_mesh_point(&mesh, 0, 2.001, 3 + i * 1e-5));
 
-    check_ok(gw_mesh_scene(&mesh, &scene, &error));
-    gw_mesh_finish(&mesh);
+    scene = gw_mesh_take(&mesh);
     return scene;
 }
 

@@ -252,9 +252,7 @@ static gw_scene *two_quads(gw_alpha_mode mode, float alpha) {
                      3, 3);
     gw_mesh_add_grid(&mesh, (const double[]){-1, -1, -0.5}, (const double[]){2, 0, 0},
                      (const double[]){0, 2, 0}, 3, 3);
-    gw_scene *scene = NULL;
-    check_ok(gw_mesh_scene(&mesh, &scene, &error));
-    gw_mesh_finish(&mesh);
+    gw_scene *scene = gw_mesh_take(&mesh);
     gw_material *materials = calloc(2, sizeof *materials);
     assert_non_null(materials);
     materials[0] = (gw_material){.base_color = {1, 0, 0, 1}, .roughness = 1, .base_color_texture = -1};
@@ -315,8 +313,7 @@ static void doubled_faces_show_their_front(void **state) {
     size_t faces = mesh.triangle_count;
     for (size_t i = 0; i < faces; ++i)
         gw_mesh_triangle(&mesh, mesh.triangles[i][0], mesh.triangles[i][2], mesh.triangles[i][1]);
-    check_ok(gw_mesh_scene(&mesh, &scene, &error));
-    gw_mesh_finish(&mesh);
+    scene = gw_mesh_take(&mesh);
     gw_material *materials = calloc(2, sizeof *materials);
     assert_non_null(materials);
     for (int m = 0; m < 2; ++m)

@@ -22,8 +22,7 @@ static gw_scene *make_model(uint32_t index) {
         return scene;
     }
     gw_mesh_add_sphere(&mesh, centre, 0.4 + 0.1 * index, 0.05 * index, 8 + 4 * index, 6 + 2 * index);
-    check_ok(gw_mesh_scene(&mesh, &scene, &error));
-    gw_mesh_finish(&mesh);
+    scene = gw_mesh_take(&mesh);
     return scene;
 }
 

@@ -2,6 +2,7 @@
  * wall. */
 #include "tests/support/check.h"
 
+#include "base/srgb.h"
 #include "build/demo_scene.h"
 #include "render/features.h"
 #include "render/sparse.h"
@@ -168,12 +169,6 @@ static void splits_give_the_same_pixels(void **state) {
     check_splits(&several);
 }
 
-/* Of linear light, so that errors are of what the rays saw. */
-static double linear_of(uint8_t code) {
-    double v = code / 255.0;
-    return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
-}
-
 /* The same view with four times the pixels, 16 rays each: the mean of 64 rays for each pixel of `from`. */
 static double *reference_of(const gw_camera *from) {
     gw_camera fine = *from;
@@ -191,7 +186,8 @@ static double *reference_of(const gw_camera *from) {
     for (size_t y = 0; y < 2 * SIDE; ++y)
         for (size_t x = 0; x < 2 * SIDE; ++x)
             for (size_t c = 0; c < 3; ++c)
-                mean[(y / 2 * SIDE + x / 2) * 3 + c] += linear_of(rgba[(y * 2 * SIDE + x) * 4 + c]) / 4;
+                mean[(y / 2 * SIDE + x / 2) * 3 + c] +=
+                    gw_srgb_code_to_linear(rgba[(y * 2 * SIDE + x) * 4 + c]) / 4;
     free(rgba);
     return mean;
 }
@@ -200,7 +196,7 @@ static double error_against(const double *reference, const uint8_t *rgba) {
     double sum = 0;
     for (size_t i = 0; i < PIXELS; ++i)
         for (size_t c = 0; c < 3; ++c) {
-            double d = linear_of(rgba[i * 4 + c]) - reference[i * 3 + c];
+            double d = gw_srgb_code_to_linear(rgba[i * 4 + c]) - reference[i * 3 + c];
             sum += d * d;
         }
     return sqrt(sum / (3.0 * PIXELS));

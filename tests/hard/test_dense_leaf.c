@@ -29,10 +29,7 @@ static gw_scene *make_scene(void) {
     gw_mesh_add_grid(&mesh, high, minus_y, minus_z, 7, 7);
     gw_mesh_add_grid(&mesh, high, minus_x, minus_y, 7, 7);
     gw_mesh_add_sphere(&mesh, centre, radius, 0.08, AROUND, RINGS);
-    gw_scene *scene = NULL;
-    check_ok(gw_mesh_scene(&mesh, &scene, &error));
-    gw_mesh_finish(&mesh);
-    return scene;
+    return gw_mesh_take(&mesh);
 }
 
 static int open_stages(void **state) {

@@ -17,8 +17,7 @@ static gw_scene *make_scene(void) {
     gw_mesh_add_grid(&mesh, (const double[]){-1, -1, -1}, (const double[]){0, 0, 2},
                      (const double[]){2, 0, 0}, 2, 2);
     gw_mesh_add_tetrahedron(&mesh, speck, 0.0005); /* 1 mm wide, the scene 2 m */
-    check_ok(gw_mesh_scene(&mesh, &scene, &error));
-    gw_mesh_finish(&mesh);
+    scene = gw_mesh_take(&mesh);
     return scene;
 }
 

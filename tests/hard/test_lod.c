@@ -56,9 +56,7 @@ static gw_scene *black_wall(double tilt, double relief) {
         mesh.points[i * 3] -= out * s;
         mesh.points[i * 3 + 2] += out * c;
     }
-    gw_scene *scene = NULL;
-    check_ok(gw_mesh_scene(&mesh, &scene, &error));
-    gw_mesh_finish(&mesh);
+    gw_scene *scene = gw_mesh_take(&mesh);
     for (int k = 0; k < 3; ++k) {
         scene->materials[0].base_color[k] = 0.0f;
         scene->ambient[k] = 0.0f;
@@ -157,8 +155,7 @@ static double light_through_floor(float flatness) {
         }
     gw_scene *scene = NULL;
     gw_stage stage;
-    check_ok(gw_mesh_scene(&mesh, &scene, &error));
-    gw_mesh_finish(&mesh);
+    scene = gw_mesh_take(&mesh);
     for (int k = 0; k < 3; ++k) {
         scene->materials[0].base_color[k] = 0.0f;
         scene->ambient[k] = 0.0f;
@@ -199,9 +196,7 @@ static void cancelling_normals_are_neither_black_nor_lost(void **state) {
                      (const double[]){0, 1.8, 0}, 90, 90);
     gw_mesh_add_grid(&mesh, (const double[]){-0.9, -0.9, 0.0500}, (const double[]){0, 1.8, 0},
                      (const double[]){1.8, 0, 0}, 90, 90);
-    gw_scene *scene = NULL;
-    check_ok(gw_mesh_scene(&mesh, &scene, &error));
-    gw_mesh_finish(&mesh);
+    gw_scene *scene = gw_mesh_take(&mesh);
     for (int k = 0; k < 3; ++k)
         scene->ambient[k] = 2.0f;
     gw_stage stage;
@@ -230,8 +225,7 @@ static void gazes_of_every_kind_give_pictures(void **state) {
     gw_mesh_add_sphere(&mesh, (const double[]){0, 0, 0}, 0.8, 0.2, 120, 80);
     gw_scene *scene = NULL;
     gw_stage stage;
-    check_ok(gw_mesh_scene(&mesh, &scene, &error));
-    gw_mesh_finish(&mesh);
+    scene = gw_mesh_take(&mesh);
     check_ok(
         gw_stage_open(&stage, scene, NULL, (const char *const[]){"octree_depth=8", "tau=6", NULL}, &error));
     gw_renderer *renderer = gw_stage_renderer(&stage);

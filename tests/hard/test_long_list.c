@@ -24,10 +24,7 @@ static gw_scene *make_scene(void) {
     }
     gw_mesh_add_tetrahedron(&mesh, (const double[]){-0.85, -0.85, -0.85}, 0.05);
     gw_mesh_add_tetrahedron(&mesh, (const double[]){0.85, 0.85, 0.85}, 0.05);
-    gw_scene *scene = NULL;
-    check_ok(gw_mesh_scene(&mesh, &scene, &error));
-    gw_mesh_finish(&mesh);
-    return scene;
+    return gw_mesh_take(&mesh);
 }
 
 static int open_stage(void **state) {

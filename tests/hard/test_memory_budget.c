@@ -19,10 +19,7 @@ static gw_scene *make_scene(void) {
     gw_mesh_add_sphere(&mesh, (const double[]){-0.3, -0.1, 0.1}, 0.35, 0.2, 120, 60);
     gw_mesh_add_sphere(&mesh, (const double[]){0.55, -0.2, -0.2}, 0.3, 0.1, 30, 16);
     gw_mesh_add_tetrahedron(&mesh, (const double[]){0.3, 0.6, 0.4}, 0.002);
-    gw_scene *scene = NULL;
-    check_ok(gw_mesh_scene(&mesh, &scene, &error));
-    gw_mesh_finish(&mesh);
-    return scene;
+    return gw_mesh_take(&mesh);
 }
 
 static int open_stage(void **state) {

@@ -10,13 +10,6 @@
 
 enum { SIDE = 64, PIXELS = SIDE * SIDE };
 
-static gw_scene *scene_of(gw_mesh *mesh) {
-    gw_scene *scene = NULL;
-    check_ok(gw_mesh_scene(mesh, &scene, &error));
-    gw_mesh_finish(mesh);
-    return scene;
-}
-
 /* Gives the scene a copy of its material for all triangles from the z on, in scene metres. */
 static gw_material *material_from_z(gw_scene *scene, double z) {
     void *materials = NULL;
@@ -71,7 +64,7 @@ static double error_of_patch(const char *rule, int depth) {
     gw_mesh_add_grid(&mesh, (const double[]){0.02, 0.02, 0.0131}, (const double[]){0.02, 0, 0},
                      (const double[]){0, 0.02, 0}, 32, 32);
     gw_stage stage;
-    gw_scene *scene = scene_of(&mesh);
+    gw_scene *scene = gw_mesh_take(&mesh);
     gw_material *materials = material_from_z(scene, 0.01305);
     set_grey(materials[0].base_color, 0.02f);
     set_grey(materials[1].base_color, 0.9f);
@@ -109,7 +102,7 @@ static double error_of_wedges(const char *rule) {
                          (const double[]){width, 0, thickness}, 90, 1);
     }
     gw_stage stage;
-    gw_scene *scene = scene_of(&mesh);
+    gw_scene *scene = gw_mesh_take(&mesh);
     set_grey(scene->ambient, 0.0f);
     void *light = NULL;
     check_ok(gw_allocate(&light, 1, sizeof *scene->lights, "light", &error));
@@ -145,8 +138,8 @@ static double separated_share(double distance, int level) {
     gw_mesh mesh = {0};
     add_sheets(&mesh, distance);
     gw_stage stage;
-    check_ok(
-        gw_stage_open(&stage, scene_of(&mesh), NULL, (const char *const[]){"octree_depth=8", NULL}, &error));
+    check_ok(gw_stage_open(&stage, gw_mesh_take(&mesh), NULL, (const char *const[]){"octree_depth=8", NULL},
+                           &error));
     const gw_octree *octree = stage.octree;
     uint32_t flagged = 0, first = octree->level_begin[level], last = octree->level_begin[level + 1];
     for (uint32_t i = first; i < last; ++i)
@@ -171,7 +164,7 @@ static void a_floor_does_not_shine_through_its_carpet(void **state) {
     gw_mesh mesh = {0};
     add_sheets(&mesh, 0.03);
     gw_stage stage;
-    gw_scene *scene = scene_of(&mesh);
+    gw_scene *scene = gw_mesh_take(&mesh);
     gw_material *materials = material_from_z(scene, INFINITY);
     for (uint32_t t = 0; t < scene->triangle_count; ++t) {
         double at[3] = {0};
@@ -221,7 +214,7 @@ static void mixed_finishes_keep_their_light(void **state) {
     gw_mesh_add_grid(&mesh, (const double[]){-0.9, -0.9, 0.013}, (const double[]){1.8, 0, 0},
                      (const double[]){0, 1.8, 0}, 300, 30);
     gw_stage stage;
-    gw_scene *scene = scene_of(&mesh);
+    gw_scene *scene = gw_mesh_take(&mesh);
     gw_material *materials = material_from_z(scene, INFINITY);
     for (uint32_t t = 0; t < scene->triangle_count; ++t) {
         double x = 0.0;
@@ -292,7 +285,7 @@ static gw_scene *oblique_wall(void) {
     add_ballast(&mesh);
     gw_mesh_add_grid(&mesh, (const double[]){-0.9, -1, -0.3}, (const double[]){1.8, 0, 0.6},
                      (const double[]){0, 2, 0.2}, 96, 96);
-    return scene_of(&mesh);
+    return gw_mesh_take(&mesh);
 }
 
 static void look_at_wall(gw_camera *camera, const gw_stage *stage) {
@@ -363,7 +356,7 @@ static double error_of_leaves(const char *separation) {
         gw_mesh_add_grid(&mesh, at, v, u, 1, 1);
     }
     gw_stage stage;
-    gw_scene *scene = scene_of(&mesh);
+    gw_scene *scene = gw_mesh_take(&mesh);
     darken(scene);
     check_ok(gw_stage_open(&stage, scene, NULL, (const char *const[]){"octree_depth=8", separation, NULL},
                            &error));
@@ -406,7 +399,7 @@ static void light_of_wires(double share, int variant, double range[2]) {
                          (const double[]){1.8 * c, 1.8 * s, 0}, (const double[]){-width * s, width * c, 0},
                          40, 1);
     gw_stage stage;
-    gw_scene *scene = scene_of(&mesh);
+    gw_scene *scene = gw_mesh_take(&mesh);
     set_grey(scene->ambient, 0.0f);
     set_grey(scene->materials[0].emissive, (float)radiance);
     check_ok(gw_stage_open(
@@ -474,7 +467,7 @@ static void plates_seen_edge_on_stay(void **state) {
         add_box(&mesh, (const double[]){(5.3 * i) * voxel, -0.9, -0.21},
                 (const double[]){(5.3 * i + 0.1) * voxel, 0.8, 0.29});
     gw_stage stage;
-    gw_scene *scene = scene_of(&mesh);
+    gw_scene *scene = gw_mesh_take(&mesh);
     darken(scene);
     check_ok(gw_stage_open(&stage, scene, NULL, (const char *const[]){"octree_depth=8", NULL}, &error));
     gw_renderer *renderer = gw_stage_renderer(&stage);

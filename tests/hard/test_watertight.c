@@ -56,8 +56,7 @@ static int open_stage(void **state) {
     gw_mesh mesh = {0};
     gw_scene *scene = NULL;
     gw_mesh_add_sphere(&mesh, (const double[]){0, 0, 0}, 1.0, 0.15, AROUND, RINGS);
-    check_ok(gw_mesh_scene(&mesh, &scene, &error));
-    gw_mesh_finish(&mesh);
+    scene = gw_mesh_take(&mesh);
     check_ok(gw_stage_open(&stage, scene, NULL, (const char *const[]){"octree_depth=9", NULL}, &error));
     check_ok(gw_renderer_create(stage.device, stage.scene, stage.octree, NULL, &renderer, &error));
     for (int k = 0; k < 3; ++k)

@@ -134,8 +134,7 @@ static gw_scene *random_scene(uint64_t *random) {
             ingredients[i](&mesh, random);
     if (gw_test_random(random) < 0.5)
         add_copies(&mesh, random);
-    check_ok(gw_mesh_scene(&mesh, &scene, &error));
-    gw_mesh_finish(&mesh);
+    scene = gw_mesh_take(&mesh);
     return scene;
 }
 

@@ -1,6 +1,7 @@
 #include "tests/support/meshes.h"
 
 #include "base/memory.h"
+#include "tests/support/check.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -137,6 +138,13 @@ gw_code gw_mesh_scene(const gw_mesh *mesh, gw_scene **out, gw_error *error) {
         gw_scene_destroy(&scene);
     *out = scene;
     return code;
+}
+
+gw_scene *gw_mesh_take(gw_mesh *mesh) {
+    gw_scene *scene = NULL;
+    check_ok(gw_mesh_scene(mesh, &scene, &error));
+    gw_mesh_finish(mesh);
+    return scene;
 }
 
 double gw_test_random(uint64_t *state) {

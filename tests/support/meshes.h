@@ -33,6 +33,9 @@ void gw_mesh_add_tetrahedron(gw_mesh *mesh, const double centre[3], double size)
 /* A finished scene with one grey material. The mesh is left alone. */
 gw_code gw_mesh_scene(const gw_mesh *mesh, gw_scene **out, gw_error *error);
 
+/* The same for tests that end when it fails; the mesh is emptied. */
+gw_scene *gw_mesh_take(gw_mesh *mesh);
+
 /* Random numbers that are the same everywhere: state in, 0 <= value < 1 out. */
 double gw_test_random(uint64_t *state);
 

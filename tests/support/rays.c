@@ -24,10 +24,7 @@ gw_scene *gw_test_scene(uint64_t seed) {
             centre[k] = 1.7 * (gw_test_random(&random) - 0.5);
         gw_mesh_add_tetrahedron(&mesh, centre, 0.002 + 0.03 * gw_test_random(&random));
     }
-    gw_scene *scene = NULL;
-    check_ok(gw_mesh_scene(&mesh, &scene, &error));
-    gw_mesh_finish(&mesh);
-    return scene;
+    return gw_mesh_take(&mesh);
 }
 
 static const float *vertex(const gw_scene *scene, uint32_t triangle, uint32_t corner) {

@@ -1,6 +1,8 @@
 /* See renders.h. */
 #include "tests/support/renders.h"
 
+#include "base/srgb.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -124,9 +126,7 @@ double gw_mean_difference(const uint8_t *a, const uint8_t *b, size_t pixels) {
 double gw_mean_linear(const uint8_t *rgba, size_t pixels) {
     double sum = 0.0;
     for (size_t i = 0; i < pixels; ++i)
-        for (int c = 0; c < 3; ++c) {
-            double v = rgba[i * 4 + (size_t)c] / 255.0;
-            sum += v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
-        }
+        for (int c = 0; c < 3; ++c)
+            sum += gw_srgb_code_to_linear(rgba[i * 4 + (size_t)c]);
     return sum / (double)(pixels * 3);
 }

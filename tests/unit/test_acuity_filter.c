@@ -1,6 +1,7 @@
 /* The acuity filter: sharp where the viewer looks, and periods that nobody resolves lose their contrast. */
 #include "tests/support/check.h"
 
+#include "base/srgb.h"
 #include "render/acuity_filter.h"
 #include "render/sparse.h"
 
@@ -35,15 +36,13 @@ static gw_image stripes(double period, double amplitude) {
     check_ok(gw_image_create(WIDTH, HEIGHT, &image, &error));
     for (size_t i = 0; i < WIDTH * HEIGHT; ++i) {
         double linear = 0.25 + amplitude * cos(2 * acos(-1) * (double)(i % WIDTH) / period);
-        double code = 255 * (1.055 * pow(linear, 1 / 2.4) - 0.055);
-        memset(image.rgba + i * 4, (int)(code + 0.5), 3);
+        memset(image.rgba + i * 4, gw_srgb_code_from_linear(linear), 3);
     }
     return image;
 }
 
 static double linear_at(const gw_image *image, int x) {
-    double v = image->rgba[((size_t)HEIGHT / 2 * WIDTH + (size_t)x) * 4] / 255.0;
-    return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
+    return gw_srgb_code_to_linear(image->rgba[((size_t)HEIGHT / 2 * WIDTH + (size_t)x) * 4]);
 }
 
 static double contrast_near(const gw_image *image, int x, int period) {

@@ -8,19 +8,6 @@
 
 #include <string.h>
 
-/* A frame under way. */
-typedef struct frame_job {
-    gw_renderer *renderer;
-    gw_kernel_key key;
-    gw_frame_block block;
-    GLuint trace, shade;
-    int may_be_sparse;     /* the frame calls for sparse samples; each chunk decides for itself */
-    uint32_t sample_block; /* log2 of the side of the largest sample block */
-    const gw_rectangle *rectangle;
-    uint8_t *rgba;
-    gw_counters counters;
-} frame_job;
-
 static int64_t block_of(int64_t pixel) {
     return pixel >= 0 ? pixel / GW_BLOCK_SIDE : -((-pixel + GW_BLOCK_SIDE - 1) / GW_BLOCK_SIDE);
 }
@@ -42,65 +29,8 @@ static gw_kernel_key key_of(const gw_renderer *renderer, const gw_frame_state *s
                            .count = renderer->count || state->debug == GW_DEBUG_STEPS};
 }
 
-/* Tracing knows nothing of what only shading needs, and the other way round, so that kernels are shared. */
-static gw_code kernels_of(frame_job *job, int resume, gw_error *error) {
-    const uint32_t walk_features = GW_FEATURE_WIDE_NODES | GW_FEATURE_DENSE_LEAVES;
-    const uint32_t trace_features =
-        GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_ALPHA | GW_FEATURE_SPARSE | walk_features;
-    gw_kernel_key trace = job->key, shade = job->key;
-    trace.features &= trace_features;
-    trace.texture_classes = 0;
-    trace.voxel_emission = 0;
-    trace.debug = GW_DEBUG_NONE;
-    trace.resume = shade.resume = resume;
-    shade.features &= ~walk_features;
-    shade.loop_budget = 0;
-    shade.voxels_only = shade.level_blend = shade.leaf_blend = shade.double_edges = 0;
-    gw_code code = gw_renderer_kernel(job->renderer, "trace/primary.comp", &trace, NULL, &job->trace, error);
-    if (!code)
-        code = gw_renderer_kernel(job->renderer, "shade/shade.comp", &shade, NULL, &job->shade, error);
-    if (!code && (job->key.features & GW_FEATURE_TEXTURES) && job->key.texture_classes > 0) {
-        const uint32_t *side = job->renderer->buffers.textures.side;
-        glProgramUniform4f(job->shade, 1, (float)side[0], (float)side[1], (float)side[2], (float)side[3]);
-    }
-    return code;
-}
-
-static gw_code dispatch_both(frame_job *job, size_t slots, gw_error *error) {
-    uint64_t groups = (slots + GW_BLOCK_PIXELS - 1) / GW_BLOCK_PIXELS;
-    gw_code code = gw_gl_dispatch(job->renderer->device, job->trace, groups, error);
-    if (!code)
-        code = gw_gl_dispatch(job->renderer->device, job->shade, groups, error);
-    return code;
-}
-
-/* One round after another over the suspended rays. Each round takes every ray further, so it ends. */
-static gw_code resume_rays(frame_job *job, uint32_t queue_length, gw_error *error) {
-    gw_ray_buffers *rays = &job->renderer->rays;
-    gw_code code = kernels_of(job, 1, error);
-    for (int from = 1; !code && queue_length > 0; from = 1 - from) {
-        uint32_t totals[4];
-        job->counters.resumed += queue_length;
-        gw_gl_buffer_bind(&rays->queues[from], GW_BINDING_QUEUE);
-        gw_gl_buffer_bind(&rays->queues[1 - from], GW_BINDING_NEXT_QUEUE);
-        glProgramUniform1ui(job->trace, 0, queue_length);
-        glProgramUniform1ui(job->shade, 0, queue_length);
-        code = gw_renderer_clear_totals(job->renderer, error);
-        if (!code)
-            code = dispatch_both(job, queue_length, error);
-        if (!code)
-            code = gw_renderer_read_totals(job->renderer, totals, error);
-        if (!code) {
-            job->counters.step_cap_hits += totals[0];
-            job->counters.nan_pixels += totals[1];
-            queue_length = totals[2];
-        }
-    }
-    return code;
-}
-
 /* Copies the chunk's pixels that lie in the rectangle; slots are in Morton order within blocks. */
-static void place_pixels(const frame_job *job, size_t block_count) {
+static void place_pixels(const gw_frame_job *job, size_t block_count) {
     const gw_rectangle *r = job->rectangle;
     for (size_t slot = 0; slot < block_count * GW_BLOCK_PIXELS; ++slot) {
         size_t block = slot / GW_BLOCK_PIXELS, lane = slot % GW_BLOCK_PIXELS;
@@ -118,55 +48,8 @@ static void place_pixels(const frame_job *job, size_t block_count) {
     }
 }
 
-/* Replaces a buffer's contents; the buffer only grows. */
-static gw_code refill(gw_renderer *renderer, gw_gl_buffer *buffer, const char *name, const uint32_t *words,
-                      size_t count, GLuint binding, gw_error *error) {
-    size_t bytes = count * sizeof *words;
-    gw_code code = GW_OK;
-    if (bytes > buffer->size) {
-        gw_gl_buffer_finish(buffer);
-        code = gw_gl_buffer_create(renderer->device, name, bytes, NULL, 0, buffer, error);
-    }
-    if (!code)
-        code = gw_gl_buffer_write(buffer, 0, bytes, words, error);
-    if (!code)
-        gw_gl_buffer_bind(buffer, binding);
-    return code;
-}
-
-/* Lists the chunk's samples and puts them on the GPU. A chunk that has a ray for each of its pixels needs
- * neither list nor rim: it is rendered as in a frame without sparse samples, with the same bits. */
-static gw_code list_samples(frame_job *job, size_t block_count, gw_error *error) {
-    gw_renderer *renderer = job->renderer;
-    gw_sparse *sparse = &renderer->sparse;
-    const int32_t *chunk = job->block.chunk;
-    gw_code code = gw_sparse_list(sparse, &job->block, chunk[0] / GW_BLOCK_SIDE, chunk[1] / GW_BLOCK_SIDE,
-                                  chunk[2], (int32_t)block_count / chunk[2], job->sample_block, error);
-    job->key.features &= ~(uint32_t)GW_FEATURE_SPARSE;
-    if (code || (sparse->coarse_blocks == 0 && job->block.counts[3] == 1 &&
-                 !(renderer->forced_features & GW_FEATURE_SPARSE)))
-        return code;
-    job->key.features |= GW_FEATURE_SPARSE;
-    code = refill(renderer, &renderer->samples, "samples", sparse->samples, sparse->sample_count,
-                  GW_BINDING_SAMPLES, error);
-    if (!code)
-        code = refill(renderer, &renderer->blocks, "sample blocks", sparse->blocks, sparse->block_count,
-                      GW_BINDING_BLOCKS, error);
-    return code;
-}
-
-static gw_code reconstruct(frame_job *job, size_t pixel_slots, gw_error *error) {
-    GLuint program;
-    gw_code code = gw_gl_program(job->renderer->device, "blend/reconstruct.comp", NULL, &program, error);
-    if (code)
-        return code;
-    glProgramUniform1ui(program, 0, (GLuint)pixel_slots);
-    return gw_gl_dispatch(job->renderer->device, program,
-                          (pixel_slots + GW_BLOCK_PIXELS - 1) / GW_BLOCK_PIXELS, error);
-}
-
 /* Pixels of the chunk that lie in the rectangle. */
-static uint64_t pixels_of_chunk(const frame_job *job) {
+static uint64_t pixels_of_chunk(const gw_frame_job *job) {
     const int32_t *chunk = job->block.chunk, *window = job->block.window;
     int64_t size[2] = {(int64_t)chunk[2] * GW_BLOCK_SIDE, (int64_t)(chunk[3] / chunk[2]) * GW_BLOCK_SIDE};
     uint64_t pixels = 1;
@@ -178,7 +61,7 @@ static uint64_t pixels_of_chunk(const frame_job *job) {
     return pixels;
 }
 
-static gw_code render_chunk(frame_job *job, size_t block_count, gw_error *error) {
+static gw_code render_chunk(gw_frame_job *job, size_t block_count, gw_error *error) {
     gw_renderer *renderer = job->renderer;
     int sparse = 0;
     size_t pixel_slots = block_count * GW_BLOCK_PIXELS, slots = pixel_slots;
@@ -186,7 +69,7 @@ static gw_code render_chunk(frame_job *job, size_t block_count, gw_error *error)
     job->block.chunk[3] = (int32_t)block_count;
     gw_code code = gw_gl_buffer_write(&renderer->frame, 0, sizeof job->block, &job->block, error);
     if (!code && job->may_be_sparse) {
-        code = list_samples(job, block_count, error);
+        code = gw_frame_list_samples(job, block_count, error);
         sparse = (job->key.features & GW_FEATURE_SPARSE) != 0;
         slots = sparse ? renderer->sparse.sample_count : pixel_slots;
     }
@@ -197,17 +80,17 @@ static gw_code render_chunk(frame_job *job, size_t block_count, gw_error *error)
         code = gw_renderer_reserve(renderer, slots > pixel_slots ? slots : pixel_slots,
                                    gw_kernel_fragments(&job->key), job->key.count, error);
     if (!code)
-        code = kernels_of(job, 0, error);
+        code = gw_frame_kernels(job, 0, error);
     if (!code)
-        code = dispatch_both(job, slots, error);
+        code = gw_frame_dispatch(job, slots, error);
     if (!code)
         code = gw_renderer_read_totals(renderer, totals, error);
     job->counters.step_cap_hits += totals[0];
     job->counters.nan_pixels += totals[1];
     if (!code && totals[2] > 0)
-        code = resume_rays(job, totals[2], error);
+        code = gw_frame_resume(job, totals[2], error);
     if (!code && sparse)
-        code = reconstruct(job, pixel_slots, error);
+        code = gw_frame_reconstruct(job, pixel_slots, error);
     if (!code)
         code = gw_grow((void **)&renderer->host_pixels, &renderer->host_pixel_capacity, pixel_slots,
                        sizeof(uint32_t), "pixels", error);
@@ -222,7 +105,7 @@ static gw_code render_chunk(frame_job *job, size_t block_count, gw_error *error)
 }
 
 /* Chunks are bands of block rows; a band too wide for one chunk is cut into columns as well. */
-static gw_code render_chunks(frame_job *job, gw_error *error) {
+static gw_code render_chunks(gw_frame_job *job, gw_error *error) {
     const gw_rectangle *r = job->rectangle;
     int64_t first_x = block_of(r->x), end_x = block_of((int64_t)r->x + r->width - 1) + 1;
     int64_t first_y = block_of(r->y), end_y = block_of((int64_t)r->y + r->height - 1) + 1;
@@ -276,7 +159,7 @@ gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement,
             "a rectangle of %u x %u pixels at (%d, %d) cannot be rendered; sides must be at least 1 and "
             "coordinates within 2^24",
             rectangle->width, rectangle->height, rectangle->x, rectangle->y);
-    frame_job job = {.renderer = renderer, .rectangle = rectangle, .rgba = rgba};
+    gw_frame_job job = {.renderer = renderer, .rectangle = rectangle, .rgba = rgba};
     uint32_t dropped = 0;
     gw_code code = move_scene(renderer, state->time, error);
     if (!code)

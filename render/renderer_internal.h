@@ -3,6 +3,7 @@
 #define GW_RENDER_RENDERER_INTERNAL_H
 
 #include "render/features.h"
+#include "render/frame_block.h"
 #include "render/moving.h"
 #include "render/renderer.h"
 #include "render/scene_buffers.h"
@@ -76,5 +77,27 @@ size_t gw_renderer_chunk_slots(const gw_renderer *renderer);
  * pixels.
  */
 enum { GW_SPARSE_CHUNK = 2 };
+
+/* A frame under way. */
+typedef struct gw_frame_job {
+    gw_renderer *renderer;
+    gw_kernel_key key;
+    gw_frame_block block;
+    GLuint trace, shade;
+    int may_be_sparse;     /* the frame calls for sparse samples; each chunk decides for itself */
+    uint32_t sample_block; /* log2 of the side of the largest sample block */
+    const gw_rectangle *rectangle;
+    uint8_t *rgba;
+    gw_counters counters;
+} gw_frame_job;
+
+/* renderer_batch.c: kernels for the job's key; both dispatched over slots; rounds over suspended rays. */
+gw_code gw_frame_kernels(gw_frame_job *job, int resume, gw_error *error);
+gw_code gw_frame_dispatch(gw_frame_job *job, size_t slots, gw_error *error);
+gw_code gw_frame_resume(gw_frame_job *job, uint32_t queue_length, gw_error *error);
+/* renderer_samples.c: the samples of the chunk of block_count blocks, listed and on the GPU; pixels of them.
+ */
+gw_code gw_frame_list_samples(gw_frame_job *job, size_t block_count, gw_error *error);
+gw_code gw_frame_reconstruct(gw_frame_job *job, size_t pixel_slots, gw_error *error);
 
 #endif

@@ -1,0 +1,60 @@
+/* See renderer_internal.h: one batch of rays, traced and shaded, round after round until none is suspended.
+ */
+#include "render/renderer_internal.h"
+
+/* Tracing knows nothing of what only shading needs, and the other way round, so that kernels are shared. */
+gw_code gw_frame_kernels(gw_frame_job *job, int resume, gw_error *error) {
+    const uint32_t walk_features = GW_FEATURE_WIDE_NODES | GW_FEATURE_DENSE_LEAVES;
+    const uint32_t trace_features =
+        GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_ALPHA | GW_FEATURE_SPARSE | walk_features;
+    gw_kernel_key trace = job->key, shade = job->key;
+    trace.features &= trace_features;
+    trace.texture_classes = 0;
+    trace.voxel_emission = 0;
+    trace.debug = GW_DEBUG_NONE;
+    trace.resume = shade.resume = resume;
+    shade.features &= ~walk_features;
+    shade.loop_budget = 0;
+    shade.voxels_only = shade.level_blend = shade.leaf_blend = shade.double_edges = 0;
+    gw_code code = gw_renderer_kernel(job->renderer, "trace/primary.comp", &trace, NULL, &job->trace, error);
+    if (!code)
+        code = gw_renderer_kernel(job->renderer, "shade/shade.comp", &shade, NULL, &job->shade, error);
+    if (!code && (job->key.features & GW_FEATURE_TEXTURES) && job->key.texture_classes > 0) {
+        const uint32_t *side = job->renderer->buffers.textures.side;
+        glProgramUniform4f(job->shade, 1, (float)side[0], (float)side[1], (float)side[2], (float)side[3]);
+    }
+    return code;
+}
+
+gw_code gw_frame_dispatch(gw_frame_job *job, size_t slots, gw_error *error) {
+    uint64_t groups = (slots + GW_BLOCK_PIXELS - 1) / GW_BLOCK_PIXELS;
+    gw_code code = gw_gl_dispatch(job->renderer->device, job->trace, groups, error);
+    if (!code)
+        code = gw_gl_dispatch(job->renderer->device, job->shade, groups, error);
+    return code;
+}
+
+/* One round after another over the suspended rays. Each round takes every ray further, so it ends. */
+gw_code gw_frame_resume(gw_frame_job *job, uint32_t queue_length, gw_error *error) {
+    gw_ray_buffers *rays = &job->renderer->rays;
+    gw_code code = gw_frame_kernels(job, 1, error);
+    for (int from = 1; !code && queue_length > 0; from = 1 - from) {
+        uint32_t totals[4];
+        job->counters.resumed += queue_length;
+        gw_gl_buffer_bind(&rays->queues[from], GW_BINDING_QUEUE);
+        gw_gl_buffer_bind(&rays->queues[1 - from], GW_BINDING_NEXT_QUEUE);
+        glProgramUniform1ui(job->trace, 0, queue_length);
+        glProgramUniform1ui(job->shade, 0, queue_length);
+        code = gw_renderer_clear_totals(job->renderer, error);
+        if (!code)
+            code = gw_frame_dispatch(job, queue_length, error);
+        if (!code)
+            code = gw_renderer_read_totals(job->renderer, totals, error);
+        if (!code) {
+            job->counters.step_cap_hits += totals[0];
+            job->counters.nan_pixels += totals[1];
+            queue_length = totals[2];
+        }
+    }
+    return code;
+}

@@ -120,6 +120,8 @@ gw_code gw_kernel_defines(const gw_kernel_key *key, char *text, size_t size, gw_
         append(&out, "#define DOUBLE_EDGES 1\n");
     if (key->count)
         append(&out, "#define COUNT 1\n");
+    if (key->any_hit)
+        append(&out, "#define ANY_HIT 1\n");
     if (key->resume)
         append(&out, "#define RESUME 1\n");
     if (out.used >= out.size)

@@ -52,7 +52,7 @@ typedef struct gw_kernel_key {
     uint32_t texture_classes; /* 0..GW_MAXIMUM_TEXTURE_CLASSES */
     uint32_t loop_budget;
     uint32_t debug; /* gw_debug_view */
-    int voxels_only, level_blend, leaf_blend, double_edges, count, resume;
+    int voxels_only, level_blend, leaf_blend, double_edges, count, resume, any_hit;
     int voxel_emission; /* the octree knows what its voxels emit */
 } gw_kernel_key;
 

@@ -57,16 +57,17 @@ gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement,
 /* Rays for oracles and benches, in rebased space; directions need not be unit, t is in units of the
  * direction. */
 typedef struct gw_ray {
-    float origin[3], minimum; /* hits with t > minimum count; 0 as a rule */
+    float origin[3], minimum; /* hits with minimum < t <= maximum count; minimum is 0 as a rule */
     float direction[3], maximum;
 } gw_ray;
 typedef struct gw_hit {
-    float t;           /* of the nearest hit; ray.maximum if none */
+    float t;           /* of the hit; ray.maximum if none */
     uint32_t triangle; /* canonical id or GW_NO_TRIANGLE */
 } gw_hit;
 typedef enum gw_trace_method {
-    GW_TRACE_OCTREE,     /* the shipped traversal at tau 0 */
-    GW_TRACE_BRUTE_FORCE /* every triangle, same shader code for the test */
+    GW_TRACE_OCTREE,      /* the shipped traversal at tau 0: the nearest hit */
+    GW_TRACE_BRUTE_FORCE, /* every triangle, same shader code for the test */
+    GW_TRACE_ANY          /* the traversal of shadows: some hit if there is one, always the same one */
 } gw_trace_method;
 gw_code gw_renderer_trace(gw_renderer *renderer, gw_trace_method method, const gw_ray *rays, size_t ray_count,
                           gw_hit *hits, gw_counters *counters, gw_error *error);

@@ -19,7 +19,7 @@ static gw_kernel_key ray_key(const gw_renderer *renderer) {
 /* What one call of gw_renderer_trace or gw_renderer_trace_variant does. */
 typedef struct trace_job {
     gw_trace_method method;
-    const gw_trace_variant *variant; /* of GW_TRACE_OCTREE */
+    const gw_trace_variant *variant; /* not of GW_TRACE_BRUTE_FORCE */
     gw_counters counters;
     gw_trace_time time;
 } trace_job;
@@ -29,6 +29,7 @@ static gw_code trace_octree(gw_renderer *renderer, trace_job *job, size_t count,
     const gw_trace_variant *variant = job->variant;
     gw_kernel_key key = ray_key(renderer);
     key.count = key.count || variant->count;
+    key.any_hit = job->method == GW_TRACE_ANY;
     const char *name = variant->kernel ? variant->kernel : "trace/rays.comp";
     uint32_t length = (uint32_t)count;
     gw_code code = GW_OK;
@@ -84,7 +85,7 @@ static gw_code grow_buffer(gw_renderer *renderer, gw_gl_buffer *buffer, const ch
 static gw_code trace_chunk(gw_renderer *renderer, trace_job *job, const gw_ray *rays, size_t count,
                            gw_hit *hits, gw_error *error) {
     gw_gl_buffer *given = &renderer->given_rays, *found = &renderer->found_hits;
-    int work = job->method == GW_TRACE_OCTREE && (renderer->count || job->variant->count);
+    int work = job->method != GW_TRACE_BRUTE_FORCE && (renderer->count || job->variant->count);
     gw_code code = grow_buffer(renderer, given, "rays", count * sizeof(gw_ray), error);
     if (!code)
         code = grow_buffer(renderer, found, "hits", count * sizeof(gw_hit), error);
@@ -96,8 +97,8 @@ static gw_code trace_chunk(gw_renderer *renderer, trace_job *job, const gw_ray *
     if (!code) {
         gw_gl_buffer_bind(given, GW_BINDING_FRAGMENTS);
         gw_gl_buffer_bind(found, GW_BINDING_STATUSES);
-        code = job->method == GW_TRACE_OCTREE ? trace_octree(renderer, job, count, error)
-                                              : trace_brute_force(renderer, count, error);
+        code = job->method == GW_TRACE_BRUTE_FORCE ? trace_brute_force(renderer, count, error)
+                                                   : trace_octree(renderer, job, count, error);
     }
     job->time.wall_ms += (double)(gw_now_ns() - begin) * 1e-6;
     job->time.processor_ms += (double)(gw_processor_ns() - processor) * 1e-6;

@@ -51,7 +51,7 @@ void test_boxes(uvec2 leaf) {
             COUNT_TEST();
             uint reference = REFERENCE(box_link + k - 1u);
             test_triangle(reference & GW_REFERENCE_ID);
-            list_ended = (reference & GW_REFERENCE_LAST) != 0u;
+            list_ended = (reference & GW_REFERENCE_LAST) != 0u || hit_suffices();
             list_cursor = k < GW_BOX_TRIANGLES(box_triangles) ? list_cursor + 1u : (list_cursor | 7u) + 1u;
         }
     }

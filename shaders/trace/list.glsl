@@ -13,7 +13,7 @@ void test_leaf(uvec2 leaf) {
         uint reference = REFERENCE(single ? 0u : list_cursor);
         reference = single ? leaf.x : reference;
         test_triangle(reference & GW_REFERENCE_ID);
-        list_ended = single || (reference & GW_REFERENCE_LAST) != 0u;
+        list_ended = single || (reference & GW_REFERENCE_LAST) != 0u || hit_suffices();
         ++list_cursor;
     }
 }

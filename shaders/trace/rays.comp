@@ -1,6 +1,7 @@
-// Any rays, for oracles and benches: nearest triangle through the octree, by the traversal of trace/primary.comp.
+// Any rays, for oracles and benches: nearest triangle through the octree, by the traversal of trace/primary.comp, or with
+// ANY_HIT whether there is one.
 //
-// variants: OCTREE_DEPTH=11; OCTREE_DEPTH=11 RESUME=1 COUNT=1 DOUBLE_EDGES=1 DENSE_LEAVES=1
+// variants: OCTREE_DEPTH=11; OCTREE_DEPTH=11 ANY_HIT=1; OCTREE_DEPTH=11 ANY_HIT=1 RESUME=1 DENSE_LEAVES=1; OCTREE_DEPTH=11 RESUME=1 COUNT=1 DOUBLE_EDGES=1 DENSE_LEAVES=1
 // variants: OCTREE_DEPTH=9 STORAGE_FETCH=1 STACK_LOCAL=1; OCTREE_DEPTH=9 STACK_SHARED=1
 #ifndef OCTREE_DEPTH
 #define OCTREE_DEPTH 11

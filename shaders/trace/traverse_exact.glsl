@@ -1,6 +1,8 @@
 // Nearest triangle, no voxels: one merged descend-or-advance loop that stops at a leaf, then the leaf's triangles. The
 // best hit is kept over all leaves and the walk stops only when it lies before the exit of a cell; a hit is never rejected
 // for lying outside its cell, since that is how hits at cell borders get lost.
+// With ANY_HIT, defined before trace/walk.glsl, any hit between floor_t and the first hit_t will do, as for shadows: the
+// walk ends with the first triangle met. One that masks or blends (ALPHA) is left to be asked, nearest first.
 // Needs trace/walk.glsl before it.
 
 bool walking; // false: the nearest hit is known
@@ -15,7 +17,7 @@ void step_on(int s) {
     leaf_entry = cell_entry;
 #endif
     advance(s);
-    walking = in_root && hit_t > cell_entry;
+    walking = in_root && hit_t > cell_entry && !hit_suffices();
 }
 
 // One step: down into the child in which the ray stands, or on, out of an empty one. True at a leaf, whose cell has the

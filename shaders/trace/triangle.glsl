@@ -19,6 +19,17 @@ uint floor_triangle;
 uint hit_flags;
 #endif
 
+// Whether what has been met decides the ray, whatever else there is.
+bool hit_suffices() {
+#if defined(ANY_HIT) && defined(ALPHA)
+    return hit_triangle != GW_NO_TRIANGLE && (hit_flags & GW_TRIANGLE_ALPHA) == 0u;
+#elif defined(ANY_HIT)
+    return hit_triangle != GW_NO_TRIANGLE;
+#else
+    return false;
+#endif
+}
+
 vec3 along_shear(vec3 v) {
     return shear_axis == 0 ? v.yzx : shear_axis == 1 ? v.zxy : v;
 }

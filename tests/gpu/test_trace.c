@@ -2,6 +2,7 @@
  * hard ones too. Rays and meshes are random from a printed seed. */
 #include "tests/support/check.h"
 
+#include "tests/support/meshes.h"
 #include "tests/support/rays.h"
 #include "tests/support/renders.h"
 
@@ -182,6 +183,74 @@ static void only_hits_between_minimum_and_maximum_count(void **state) {
     free(none);
 }
 
+/* Segments for shadows: between random points, and hard rays that end just before, at, or just behind their
+ * nearest hit, or a hit further on. */
+static gw_ray *make_segments(void) {
+    gw_ray *segments = calloc(ray_count, sizeof *segments);
+    gw_hit *nearest = trace(renderer, GW_TRACE_BRUTE_FORCE, rays, ray_count, NULL);
+    uint64_t random = SEED + 7;
+    assert_non_null(segments);
+    for (size_t i = 0; i < ray_count; ++i) {
+        float t = nearest[i].t;
+        const float ends[] = {nextafterf(t, 0.0f), t, nextafterf(t, INFINITY), 3.0f * t};
+        segments[i] = rays[i];
+        if (i % 2 == 0 && nearest[i].triangle != GW_NO_TRIANGLE) {
+            segments[i].maximum = ends[i / 2 % 4];
+            continue;
+        }
+        for (int k = 0; k < 3; ++k)
+            segments[i].direction[k] = (float)(1.8 * gw_test_random(&random) - 0.9) - segments[i].origin[k];
+        segments[i].minimum = (float)(0.3 * gw_test_random(&random));
+        segments[i].maximum = 1.0f;
+    }
+    free(nearest);
+    return segments;
+}
+
+static void expect_met(const gw_ray *segments, const gw_hit *nearest, const gw_hit *any) {
+    for (size_t i = 0; i < ray_count; ++i) {
+        int met = any[i].triangle != GW_NO_TRIANGLE;
+        if (met != (nearest[i].triangle != GW_NO_TRIANGLE) || (met && !(any[i].t >= nearest[i].t)) ||
+            (met && !(any[i].t > segments[i].minimum && any[i].t <= segments[i].maximum)))
+            fail_msg("segment %zu: any hit is %u at %a, the nearest %u at %a", i, any[i].triangle,
+                     (double)any[i].t, nearest[i].triangle, (double)nearest[i].t);
+    }
+}
+
+static void any_hit_is_found_where_there_is_one(void **state) {
+    (void)state;
+    gw_renderer *counting = NULL, *pieces = NULL;
+    gw_renderer_options count = {.count = 1}, forced = {.loop_budget = 32, .force_features = UINT32_MAX};
+    check_ok(gw_renderer_create(stage.device, stage.scene, stage.octree, &count, &counting, &error));
+    check_ok(gw_renderer_create(stage.device, stage.scene, stage.octree, &forced, &pieces, &error));
+    gw_ray *segments = make_segments();
+    gw_counters any_work = {0}, nearest_work = {0}, pieces_work = {0};
+    gw_hit *brute = trace(renderer, GW_TRACE_BRUTE_FORCE, segments, ray_count, NULL);
+    gw_hit *nearest = trace(counting, GW_TRACE_OCTREE, segments, ray_count, &nearest_work);
+    gw_hit *any = trace(counting, GW_TRACE_ANY, segments, ray_count, &any_work);
+    gw_hit *resumed = trace(pieces, GW_TRACE_ANY, segments, ray_count, &pieces_work);
+    expect_met(segments, brute, any);
+    assert_memory_equal(any, resumed, ray_count * sizeof *any);
+    size_t met = 0, other = 0;
+    for (size_t i = 0; i < ray_count; ++i) {
+        met += any[i].triangle != GW_NO_TRIANGLE;
+        other += any[i].triangle != nearest[i].triangle;
+    }
+    print_message("%zu of %zu segments meet something, %zu not the nearest; %llu tests instead of %llu\n",
+                  met, ray_count, other, (unsigned long long)any_work.triangle_tests,
+                  (unsigned long long)nearest_work.triangle_tests);
+    assert_true(met > ray_count / 4 && met < ray_count * 3 / 4 && other > 0);
+    assert_true(any_work.triangle_tests < nearest_work.triangle_tests && any_work.steps < nearest_work.steps);
+    assert_int_equal(any_work.step_cap_hits, 0);
+    assert_true(pieces_work.resumed > ray_count / 10);
+    gw_hit *freed[] = {brute, nearest, any, resumed};
+    for (size_t i = 0; i < 4; ++i)
+        free(freed[i]);
+    free(segments);
+    gw_renderer_destroy(&counting);
+    gw_renderer_destroy(&pieces);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_octree_answers_as_brute_force),
@@ -190,6 +259,7 @@ int main(void) {
         cmocka_unit_test(rays_that_are_not_numbers_miss),
         cmocka_unit_test(distances_scale_exactly_with_the_direction),
         cmocka_unit_test(only_hits_between_minimum_and_maximum_count),
+        cmocka_unit_test(any_hit_is_found_where_there_is_one),
     };
     return cmocka_run_group_tests(tests, open_stage, close_stage);
 }

@@ -138,6 +138,20 @@ static void hits_are_those_of_brute_force(void **state) {
                      with_boxes[i].triangle, (double)by_force[i].t, by_force[i].triangle);
 }
 
+/* Some hit where there is one, after fewer tests; the end of a list that was left early is not its boxes'. */
+static void any_hit_leaves_lists_early(void **state) {
+    (void)state;
+    gw_counters nearest = {0}, any = {0};
+    make_rays(rays);
+    trace(&dense, 0, GW_TRACE_OCTREE, rays, with_list, &nearest);
+    trace(&dense, 0, GW_TRACE_ANY, rays, with_boxes, &any);
+    for (size_t i = 0; i < RAYS; ++i)
+        assert_int_equal(with_boxes[i].triangle == GW_NO_TRIANGLE, with_list[i].triangle == GW_NO_TRIANGLE);
+    assert_true(any.triangle_tests < nearest.triangle_tests && any.steps < nearest.steps);
+    trace(&dense, 41, GW_TRACE_ANY, rays, with_list, &any);
+    assert_memory_equal(with_boxes, with_list, sizeof with_list);
+}
+
 /* Suspended between any two boxes or triangles, a ray ends where it would have. */
 static void suspended_rays_go_on(void **state) {
     (void)state;
@@ -176,7 +190,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_cell_holds_them_all),       cmocka_unit_test(boxes_bound_the_tests_of_a_ray),
         cmocka_unit_test(hits_are_those_of_brute_force), cmocka_unit_test(suspended_rays_go_on),
-        cmocka_unit_test(pictures_are_the_same),
+        cmocka_unit_test(any_hit_leaves_lists_early),    cmocka_unit_test(pictures_are_the_same),
     };
     return cmocka_run_group_tests(tests, open_stages, close_stages);
 }

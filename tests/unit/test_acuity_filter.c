@@ -94,11 +94,42 @@ static void contrast_falls_with_eccentricity(void **state) {
     gw_image_finish(&out);
 }
 
+/* A Gaussian of deviation s turns a sine of period p into one of exp(-2 pi^2 s^2 / p^2) of its amplitude.
+ * With s from the period P that the eye just resolves (Guenter et al. 2012: P / 2 = MAR(e') / 2 on the wall),
+ * this is 2^-(P/p)^2: a half at p = P, a sixteenth at p = P / 2. Every pixel of the stripes is compared, from
+ * the gaze to 11 degrees beside it. */
+static void stripes_lose_what_the_gaussian_says(void **state) {
+    static const double periods[] = {6, 9, 16, 31};
+    gw_frame_block block = block_of(1);
+    (void)state;
+    for (size_t p = 0; p < sizeof periods / sizeof *periods; ++p) {
+        gw_image in = stripes(periods[p], 0.2), out;
+        int compared[3] = {0, 0, 0}; /* with nearly all, about half and next to nothing of the contrast */
+        check_ok(gw_acuity_filter(&in, &block, &out, &error));
+        for (int x = 20; x < WIDTH - 120; ++x) {
+            double resolved = 2 * gw_sparse_spacing(&block, x + 0.5, HEIGHT / 2 + 0.5);
+            double left =
+                resolved * 0.18739 < 0.25 ? 1 : exp2(-(resolved / periods[p]) * (resolved / periods[p]));
+            double expected = 0.25 + 0.2 * left * cos(2 * acos(-1) * x / periods[p]);
+            /* Below half a pixel of deviation sampling the Gaussian shows; not below what is left alone. */
+            if (resolved * 0.18739 > 0.5 || resolved * 0.18739 < 0.25)
+                assert_true(fabs(linear_at(&out, x) - expected) < 0.008); /* two steps of 8 bits */
+            compared[left > 0.9 ? 0 : left < 0.1 ? 2 : 1]++;
+        }
+        assert_true(compared[0] > 0 || periods[p] < 10);
+        assert_true(compared[1] > 20);
+        assert_true(compared[2] > 20 || periods[p] > 20);
+        gw_image_finish(&in);
+        gw_image_finish(&out);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(nobody_looking_changes_nothing),
         cmocka_unit_test(an_even_picture_stays),
         cmocka_unit_test(contrast_falls_with_eccentricity),
+        cmocka_unit_test(stripes_lose_what_the_gaussian_says),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,5 @@
-/* FLIP against values that follow from its paper, and its behaviour on hostile pairs. */
+/* FLIP against values that follow from its paper, against a second implementation of it, and its behaviour on
+ * hostile pairs. */
 #include "tests/support/check.h"
 
 #include "render/flip.h"
@@ -113,6 +114,169 @@ static void distance_hides_fine_detail(void **state) {
     gw_image_finish(&stripes);
 }
 
+/* --- the paper's pipeline once more, by another road
+ * --- */
+
+/* A picture that is the same in every row needs one-dimensional sums only: its filters are products of a
+ * function of x and one of y, and the latter sums to 1 (blur, features across) or to 0 (features along, which
+ * are 0). Written after the paper with its primaries and white from chromaticities, not from the matrix that
+ * render/flip.c has. */
+
+typedef struct column {
+    double y, cx, cz;
+} column;
+
+/* sRGB primaries and the D65 white of IEC 61966-2-1, the columns scaled so that they add up to white. */
+static void xyz_of(const double rgb[3], double xyz[3]) {
+    static const double primaries[3][2] = {{0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06}};
+    static const double luminances[3] = {0.212656, 0.715158, 0.072186}; /* follow from those and the white */
+    xyz[0] = xyz[1] = xyz[2] = 0;
+    for (int i = 0; i < 3; ++i) {
+        double x = primaries[i][0], y = primaries[i][1], light = luminances[i] * rgb[i];
+        xyz[0] += light * x / y;
+        xyz[1] += light;
+        xyz[2] += light * (1 - x - y) / y;
+    }
+}
+
+static void whitened(const double rgb[3], double out[3]) {
+    static const double ones[3] = {1, 1, 1};
+    double white[3];
+    xyz_of(ones, white);
+    xyz_of(rgb, out);
+    for (int i = 0; i < 3; ++i)
+        out[i] /= white[i];
+}
+
+static column opponent_of(const uint8_t *code) {
+    double rgb[3], v[3];
+    for (int i = 0; i < 3; ++i) {
+        double s = code[i] / 255.0;
+        rgb[i] = s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4);
+    }
+    whitened(rgb, v);
+    return (column){116 * v[1] - 16, 500 * (v[0] - v[1]), 200 * (v[1] - v[2])};
+}
+
+static double value_at(const double line[SIDE], int x) {
+    return line[x < 0 ? 0 : x >= SIDE ? SIDE - 1 : x];
+}
+
+/* The sum of Gaussians a sqrt(pi/b) exp(-pi^2 d^2 / b), d in degrees, over the line; each has its own sum
+ * along y. */
+static double blurred(const double line[SIDE], int x, const double (*gaussians)[2], int count, double ppd) {
+    int radius = (int)ceil(3 * sqrt(0.04 / (2 * M_PI * M_PI)) * ppd);
+    double sum = 0, weights = 0;
+    for (int g = 0; g < count; ++g) {
+        double a = gaussians[g][0], b = gaussians[g][1], along = 0;
+        for (int v = -radius; v <= radius; ++v)
+            along += exp(-M_PI * M_PI * v * v / (ppd * ppd * b));
+        for (int u = -radius; u <= radius; ++u) {
+            double weight = a * sqrt(M_PI / b) * along * exp(-M_PI * M_PI * u * u / (ppd * ppd * b));
+            sum += weight * value_at(line, x + u);
+            weights += weight;
+        }
+    }
+    return sum / weights;
+}
+
+/* First or second derivative of the Gaussian of half of 0.082 degrees. */
+static double derivative(const double line[SIDE], int x, int second, double ppd) {
+    double deviation = 0.5 * 0.082 * ppd, sums[2] = {0, 0}, totals[2] = {0, 0};
+    int radius = (int)ceil(3 * deviation);
+    for (int u = -radius; u <= radius; ++u) {
+        double g = exp(-u * u / (2 * deviation * deviation));
+        double weight = second ? (u * u / (deviation * deviation) - 1) * g : -u * g;
+        sums[weight > 0] += fabs(weight) * value_at(line, x + u);
+        totals[weight > 0] += fabs(weight);
+    }
+    return fabs(sums[1] / totals[1] - sums[0] / totals[0]);
+}
+
+/* Hunt-adjusted L*a*b* of X, Y, Z relative to white. */
+static void hunt_lab(const double xyz[3], double lab[3]) {
+    double v[3];
+    for (int i = 0; i < 3; ++i)
+        v[i] = xyz[i] > 216.0 / 24389 ? cbrt(xyz[i]) : (24389.0 / 27 * xyz[i] + 16) / 116;
+    lab[0] = 116 * v[1] - 16;
+    lab[1] = 0.01 * lab[0] * 500 * (v[0] - v[1]);
+    lab[2] = 0.01 * lab[0] * 200 * (v[1] - v[2]);
+}
+
+/* Of what is left of a column behind the eye's blur. */
+static void perceived(double lines[3][SIDE], int x, double ppd, double lab[3]) {
+    static const double a[][2] = {{1, 0.0047}}, rg[][2] = {{1, 0.0053}},
+                        by[][2] = {{34.1, 0.04}, {13.5, 0.025}};
+    double y = (blurred(lines[0], x, a, 1, ppd) + 16) / 116;
+    double v[3] = {y + blurred(lines[1], x, rg, 1, ppd) / 500, y, y - blurred(lines[2], x, by, 2, ppd) / 200};
+    hunt_lab(v, lab);
+}
+
+static double distance_of(const double a[3], const double b[3]) {
+    return pow(fabs(a[0] - b[0]) + hypot(a[1] - b[1], a[2] - b[2]), 0.7);
+}
+
+static double green_against_blue(void) {
+    static const double green[3] = {0, 1, 0}, blue[3] = {0, 0, 1};
+    double v[3], a[3], b[3];
+    whitened(green, v);
+    hunt_lab(v, a);
+    whitened(blue, v);
+    hunt_lab(v, b);
+    return distance_of(a, b);
+}
+
+static double flip_of_column(double lines[2][3][SIDE], int x, double ppd) {
+    double a[3], b[3], luminance[2][SIDE];
+    perceived(lines[0], x, ppd, a);
+    perceived(lines[1], x, ppd, b);
+    double color = distance_of(a, b) / green_against_blue();
+    color = color < 0.4 ? color * 0.95 / 0.4 : 0.95 + (color - 0.4) / 0.6 * 0.05;
+    for (int p = 0; p < 2; ++p)
+        for (int i = 0; i < SIDE; ++i)
+            luminance[p][i] = (lines[p][0][i] + 16) / 116;
+    double edges = fabs(derivative(luminance[0], x, 0, ppd) - derivative(luminance[1], x, 0, ppd));
+    double points = fabs(derivative(luminance[0], x, 1, ppd) - derivative(luminance[1], x, 1, ppd));
+    return pow(color, 1 - sqrt(fmax(edges, points) / sqrt(2)));
+}
+
+/* Coloured bars against other ones: every column's value from both roads, at three viewing distances. Colours
+ * stay inside the gamut behind the blur, so that no clamping is needed. */
+static void maps_equal_those_of_another_implementation(void **state) {
+    static const double distances[] = {25, GW_FLIP_PIXELS_PER_DEGREE, 110};
+    gw_image pair[2] = {filled(0, 0, 0), filled(0, 0, 0)};
+    double lines[2][3][SIDE], mean;
+    float map[PIXELS];
+    uint64_t random = 7;
+    (void)state;
+    for (int p = 0; p < 2; ++p)
+        for (int x = 0; x < SIDE; ++x) {
+            uint8_t code[3];
+            for (int c = 0; c < 3; ++c)
+                code[c] = (uint8_t)(70 + 120 * gw_test_random(&random));
+            if (p == 1 && x / 6 % 2) /* half of the bars are alike */
+                memcpy(code, pair[0].rgba + (size_t)x * 4, 3);
+            for (int y = 0; y < SIDE; ++y)
+                memcpy(pair[p].rgba + ((size_t)y * SIDE + (size_t)x) * 4, code, 3);
+            column o = opponent_of(code);
+            lines[p][0][x] = o.y;
+            lines[p][1][x] = o.cx;
+            lines[p][2][x] = o.cz;
+        }
+    for (size_t d = 0; d < sizeof distances / sizeof *distances; ++d) {
+        double largest = 0;
+        check_ok(gw_flip(&pair[0], &pair[1], distances[d], map, &mean, &error));
+        for (int x = 0; x < SIDE; ++x) {
+            double other = flip_of_column(lines, x, distances[d]);
+            assert_true(fabs((double)map[SIDE / 2 * SIDE + x] - other) < 5e-5);
+            largest = fmax(largest, other);
+        }
+        assert_true(largest > 0.1);
+    }
+    gw_image_finish(&pair[0]);
+    gw_image_finish(&pair[1]);
+}
+
 static void wrong_pairs_are_refused(void **state) {
     gw_image a = filled(0, 0, 0), b = a;
     double mean;
@@ -131,6 +295,7 @@ int main(void) {
         cmocka_unit_test(noise_ranks_as_the_eye_sees_it),
         cmocka_unit_test(a_missing_line_is_noticed),
         cmocka_unit_test(distance_hides_fine_detail),
+        cmocka_unit_test(maps_equal_those_of_another_implementation),
         cmocka_unit_test(wrong_pairs_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -101,6 +101,27 @@ static gw_code make_lights_and_views(gw_scene *scene, gw_error *error) {
     return GW_OK;
 }
 
+/* From the window to the statue. */
+static gw_code make_path(gw_scene *scene, gw_error *error) {
+    static const gw_camera_key keys[] = {{0.0, {0.0, 1.5, 0.0}, {0.0, 1.5, -10.0}},
+                                         {4.0, {0.25, 1.6, -1.8}, {-0.5, 1.6, -7.0}},
+                                         {8.0, {-0.3, 1.7, -3.4}, {-1.12, 1.65, -5.3}}};
+    void *memory = NULL;
+    gw_code code = gw_allocate(&memory, 1, sizeof *scene->paths, "demo path", error);
+    if (code != GW_OK)
+        return code;
+    scene->paths = memory;
+    scene->path_count = 1;
+    scene->paths[0] = (gw_camera_path){.name = "walk", .fov = 45.0};
+    code = gw_allocate(&memory, sizeof keys / sizeof *keys, sizeof *keys, "demo path", error);
+    if (code != GW_OK)
+        return code;
+    scene->paths[0].keys = memory;
+    scene->paths[0].key_count = sizeof keys / sizeof *keys;
+    memcpy(scene->paths[0].keys, keys, sizeof keys);
+    return GW_OK;
+}
+
 static void take_mesh(gw_scene *scene, demo_mesh *mesh) {
     scene->vertex_count = (uint32_t)mesh->vertex_count;
     scene->normals = (float *)mesh->normals;
@@ -131,6 +152,8 @@ gw_code gw_demo_scene(gw_scene **out, gw_error *error) {
         code = demo_make_materials(scene, error);
     if (code == GW_OK)
         code = make_lights_and_views(scene, error);
+    if (code == GW_OK)
+        code = make_path(scene, error);
     if (code == GW_OK) {
         scene->path = gw_copy_text("demo");
         if (scene->path == NULL)

@@ -114,8 +114,11 @@ static gw_hash hash_views(gw_hash hash, const gw_scene *scene) {
         hash = gw_hash_bytes(hash, view->up, sizeof view->up);
         hash = gw_hash_bytes(hash, &view->fov, sizeof view->fov);
     }
-    for (uint32_t i = 0; i < scene->path_count; i++)
-        hash = gw_hash_bytes(hash, scene->paths[i].keys, scene->paths[i].key_count * sizeof(gw_camera_key));
+    for (uint32_t i = 0; i < scene->path_count; i++) {
+        const gw_camera_path *path = &scene->paths[i];
+        hash = gw_hash_bytes(hash, &path->fov, sizeof path->fov);
+        hash = gw_hash_bytes(hash, path->keys, path->key_count * sizeof(gw_camera_key));
+    }
     const uint32_t kind = (uint32_t)scene->placement.kind;
     hash = gw_hash_bytes(hash, &kind, sizeof kind);
     hash = gw_hash_bytes(hash, &scene->placement.scale, sizeof scene->placement.scale);

@@ -56,7 +56,7 @@ typedef struct gw_viewpoint {
     double fov;                /* vertical, deg, 1..170 */
 } gw_viewpoint;
 
-/* A camera path: eye and look-at by time, linear between keys (seconds, rising). */
+/* A camera path: eye and look-at by time (seconds, rising), smooth between keys (render/camera.h). */
 typedef struct gw_camera_key {
     double time;
     double eye[3], look_at[3];
@@ -64,7 +64,8 @@ typedef struct gw_camera_key {
 
 typedef struct gw_camera_path {
     char name[64];
-    size_t key_count;
+    double fov;       /* vertical, deg, 1..170 */
+    size_t key_count; /* at least 2 */
     gw_camera_key *keys;
 } gw_camera_path;
 

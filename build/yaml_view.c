@@ -165,12 +165,15 @@ static gw_code read_key(const gw_yaml_node *node, const gw_camera_key *before, g
 }
 
 static gw_code read_path(const gw_yaml_node *node, size_t index, gw_camera_path *out, gw_error *error) {
-    static const char *const keys[] = {"name", "keys"};
+    static const char *const keys[] = {"name", "fov", "keys"};
     gw_code code = gw_yaml_expect(node, GW_YAML_MAP, "paths", error);
     if (code == GW_OK)
         code = gw_yaml_check_keys(node, keys, sizeof keys / sizeof *keys, error);
     if (code == GW_OK)
         code = read_name(node, out->name, sizeof out->name, index, error);
+    out->fov = 45.0;
+    if (code == GW_OK && gw_yaml_find(node, "fov"))
+        code = gw_yaml_number(gw_yaml_find(node, "fov"), "fov", 1.0, 170.0, &out->fov, error);
     if (code != GW_OK)
         return code;
     const gw_yaml_node *list = gw_yaml_find(node, "keys");

@@ -22,7 +22,7 @@ static gw_code check_sizes(const gw_flicker *flicker, const gw_image *reference,
     if (reference->width != picture->width || reference->height != picture->height)
         return gw_fail(error, GW_BAD_INPUT, "pictures of %u x %u and %u x %u pixels cannot be compared",
                        reference->width, reference->height, picture->width, picture->height);
-    if (flicker->frames && (flicker->width != picture->width || flicker->height != picture->height))
+    if (flicker->error && (flicker->width != picture->width || flicker->height != picture->height))
         return gw_fail(error, GW_BAD_INPUT,
                        "a frame of %u x %u pixels follows one of %u x %u; a sequence has one size",
                        picture->width, picture->height, flicker->width, flicker->height);
@@ -59,7 +59,7 @@ gw_code gw_flicker_add(gw_flicker *flicker, const gw_image *reference, const gw_
                        gw_error *error) {
     double linear[256];
     gw_code code = check_sizes(flicker, reference, picture, error);
-    if (!code && flicker->frames == 0)
+    if (!code && !flicker->error)
         code = gw_allocate((void **)&flicker->error, (size_t)picture->width * picture->height,
                            sizeof *flicker->error, "flicker", error);
     if (code)
@@ -76,6 +76,10 @@ gw_code gw_flicker_add(gw_flicker *flicker, const gw_image *reference, const gw_
         }
     flicker->frames++;
     return GW_OK;
+}
+
+void gw_flicker_cut(gw_flicker *flicker) {
+    flicker->frames = 0;
 }
 
 gw_flicker_result gw_flicker_of(const gw_flicker *flicker) {

@@ -17,7 +17,7 @@ enum { GW_FLICKER_BINS = 4096, GW_FLICKER_PATCH = 16 /* px */ };
 
 /* Zeroed before the first frame. */
 typedef struct gw_flicker {
-    uint32_t width, height, frames; /* frames seen so far */
+    uint32_t width, height, frames; /* frames seen since the last cut */
     float *error;                   /* owned: lightness minus the reference's, of the last frame */
     double sum;
     uint64_t bins[GW_FLICKER_BINS]; /* pixels by change, 0 to 2 */
@@ -35,6 +35,8 @@ typedef struct gw_flicker_result {
 /* The next frame of both. GW_BAD_INPUT when sizes differ from each other's or the last frame's. */
 gw_code gw_flicker_add(gw_flicker *flicker, const gw_image *reference, const gw_image *picture,
                        gw_error *error);
+/* The next frame begins another sequence of the same size, whose changes are added to those so far. */
+void gw_flicker_cut(gw_flicker *flicker);
 gw_flicker_result gw_flicker_of(const gw_flicker *flicker);
 void gw_flicker_finish(gw_flicker *flicker);
 

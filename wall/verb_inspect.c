@@ -163,6 +163,9 @@ static void print_scene(const gw_scene *s) {
                s->textures[i].image.height);
     for (uint32_t i = 0; i < s->viewpoint_count; i++)
         printf("    viewpoint      %s\n", s->viewpoints[i].name);
+    for (uint32_t i = 0; i < s->path_count; i++)
+        printf("    camera path    %s, %g to %g s\n", s->paths[i].name, s->paths[i].keys[0].time,
+               s->paths[i].keys[s->paths[i].key_count - 1].time);
     for (size_t i = 0; i < s->note_count; i++)
         printf("note               %s\n", s->notes[i]);
     print_hash("hash               ", s->hash);

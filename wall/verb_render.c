@@ -6,6 +6,7 @@
 #include "base/file.h"
 #include "base/image.h"
 #include "base/memory.h"
+#include "render/camera.h"
 #include "wall/console.h"
 #include "wall/frames.h"
 #include "wall/interrupt.h"
@@ -23,7 +24,7 @@
 typedef struct render_options {
     gw_draw_options draw;
     gw_wall_options wall;
-    const char *out, *states, *viewpoint;
+    const char *out, *states, *viewpoint, *path;
     int64_t frame; /* of --states; -1: the first */
     int has_eye, has_look_at, has_fov;
     double eye[3], look_at[3], fov; /* scene metres; deg */
@@ -38,6 +39,7 @@ enum {
     KEY_LOOK_AT,
     KEY_FOV,
     KEY_VIEWPOINT,
+    KEY_PATH,
     KEY_GAZE,
     KEY_NO_GAZE,
     KEY_STATES,
@@ -57,6 +59,8 @@ static const struct argp_option options_table[] = {
     {"fov", KEY_FOV, "DEGREES", 0, "1 to 170, default 45: its vertical field of view", 2},
     {"viewpoint", KEY_VIEWPOINT, "NAME", 0, "a camera at a viewpoint of the scene, by name or number from 0",
      2},
+    {"path", KEY_PATH, "NAME", 0,
+     "a camera on a camera path of the scene, by name or number from 0, where --time says", 2},
     {"gaze", KEY_GAZE, "X,Y", 0, "px of the picture: the viewer looks there", 2},
     {"no-gaze", KEY_NO_GAZE, NULL, 0, "nobody's gaze is known: sharp everywhere; the default", 2},
     {"states", KEY_STATES, "FILE", 0, "eye, gaze and knobs from recorded frame states (sim --save-states)",
@@ -103,6 +107,9 @@ static error_t parse_render(int key, char *argument, struct argp_state *state) {
     case KEY_VIEWPOINT:
         o->viewpoint = argument;
         break;
+    case KEY_PATH:
+        o->path = argument;
+        break;
     case KEY_STATES:
         o->states = argument;
         break;
@@ -142,11 +149,15 @@ static gw_code check_view(const render_options *o, gw_error *error) {
         return gw_fail(error, GW_BAD_INPUT, "--eye and --look-at belong together; give both or neither");
     if (o->has_eye && o->viewpoint)
         return gw_fail(error, GW_BAD_INPUT, "--viewpoint is a camera already; leave out --eye and --look-at");
-    if (o->has_fov && !o->has_eye && !o->viewpoint)
-        return gw_fail(error, GW_BAD_INPUT, "--fov needs a camera: --eye and --look-at, or --viewpoint");
-    if (o->states && (o->has_eye || o->viewpoint || o->gaze == GW_GAZE_AT_PIXEL))
+    if (o->path && (o->has_eye || o->viewpoint))
+        return gw_fail(error, GW_BAD_INPUT, "--path is a camera already; leave out %s",
+                       o->viewpoint ? "--viewpoint" : "--eye and --look-at");
+    if (o->has_fov && !o->has_eye && !o->viewpoint && !o->path)
         return gw_fail(error, GW_BAD_INPUT,
-                       "--states holds eye and gaze; leave out --eye, --viewpoint and --gaze");
+                       "--fov needs a camera: --eye and --look-at, --viewpoint, or --path");
+    if (o->states && (o->has_eye || o->viewpoint || o->path || o->gaze == GW_GAZE_AT_PIXEL))
+        return gw_fail(error, GW_BAD_INPUT,
+                       "--states holds eye and gaze; leave out --eye, --viewpoint, --path and --gaze");
     if (o->frame >= 0 && !o->states)
         return gw_fail(error, GW_BAD_INPUT, "--frame picks one of recorded states; give --states FILE, too");
     return GW_OK;
@@ -161,56 +172,6 @@ typedef struct view {
     gw_layout layout; /* one tile */
     double eye[3];    /* mm */
 } view;
-
-static int normalise(double v[3]) {
-    double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    for (int i = 0; i < 3; i++)
-        v[i] /= length;
-    return length > 0 && isfinite(length);
-}
-
-static void cross(const double a[3], const double b[3], double out[3]) {
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-/* A camera is a plane of pixels across the view at the distance of what is looked at, in a wall space that is
- * the scene's, in mm. */
-static gw_code camera_view(const double eye[3], const double look_at[3], const double up_hint[3], double fov,
-                           const uint32_t size[2], view *out, gw_error *error) {
-    double forward[3], right[3], up[3], distance = 0;
-    for (int i = 0; i < 3; i++) {
-        forward[i] = look_at[i] - eye[i];
-        distance += forward[i] * forward[i];
-    }
-    distance = 1000 * sqrt(distance);
-    int good = normalise(forward);
-    cross(forward, up_hint, right);
-    if (good && !normalise(right)) {
-        /* Straight up or down: the picture's top is away from us. */
-        const double away[3] = {0, 0, -1};
-        cross(forward, away, right);
-        good = normalise(right);
-    }
-    if (!good)
-        return gw_fail(error, GW_BAD_INPUT,
-                       "the camera has no direction: eye and look-at are the same point %g,%g,%g", eye[0],
-                       eye[1], eye[2]);
-    cross(right, forward, up);
-    double pitch = 2 * distance * tan(0.5 * fov * 0.017453292519943295) / size[1];
-    memset(&out->placement, 0, sizeof out->placement);
-    out->placement.scale = 1000;
-    for (int i = 0; i < 3; i++) {
-        out->placement.rotation[i][i] = 1;
-        out->eye[i] = 1000 * eye[i];
-        out->plane.step_x[i] = pitch * right[i];
-        out->plane.step_y[i] = -pitch * up[i];
-        out->plane.corner[i] = out->eye[i] + distance * forward[i] - 0.5 * size[0] * out->plane.step_x[i] -
-                               0.5 * size[1] * out->plane.step_y[i];
-    }
-    return GW_OK;
-}
 
 static gw_code find_viewpoint(const gw_scene *scene, const char *name, const gw_viewpoint **out,
                               gw_error *error) {
@@ -231,27 +192,48 @@ static gw_code find_viewpoint(const gw_scene *scene, const char *name, const gw_
                    scene->viewpoint_count ? "'" : "");
 }
 
+static gw_code camera_view(const render_options *o, const double eye[3], const double look_at[3],
+                           const double up[3], double fov, view *out, gw_error *error) {
+    gw_perspective camera;
+    gw_code code = gw_perspective_of(eye, look_at, up, fov, o->wall.size, &camera, error);
+    if (code)
+        return code;
+    out->placement = camera.placement;
+    out->plane = out->layout.tiles[0].plane = camera.plane;
+    memcpy(out->eye, camera.eye, sizeof out->eye);
+    memcpy(out->layout.eye, camera.eye, sizeof out->layout.eye);
+    return GW_OK;
+}
+
+static gw_code path_view(const render_options *o, const gw_scene *scene, view *out, gw_error *error) {
+    const double y_up[3] = {0, 1, 0};
+    const gw_camera_path *path = NULL;
+    double eye[3], look_at[3];
+    gw_code code = gw_camera_path_find(scene, o->path, &path, error);
+    if (code)
+        return code;
+    gw_camera_path_at(path, o->draw.time, eye, look_at);
+    return camera_view(o, eye, look_at, y_up, o->has_fov ? o->fov : path->fov, out, error);
+}
+
 static gw_code make_view(const render_options *o, const gw_scene *scene, view *out, gw_error *error) {
     const double y_up[3] = {0, 1, 0};
-    gw_code code = GW_OK;
-    if (o->has_eye) {
-        code = camera_view(o->eye, o->look_at, y_up, o->fov, o->wall.size, out, error);
-    } else if (o->viewpoint) {
+    if (o->has_eye)
+        return camera_view(o, o->eye, o->look_at, y_up, o->fov, out, error);
+    if (o->path)
+        return path_view(o, scene, out, error);
+    if (o->viewpoint) {
         const gw_viewpoint *point = NULL;
-        code = find_viewpoint(scene, o->viewpoint, &point, error);
-        if (!code)
-            code = camera_view(point->eye, point->look_at, point->up, o->has_fov ? o->fov : point->fov,
-                               o->wall.size, out, error);
-    } else {
-        const gw_layout *layout = &out->layout;
-        memcpy(out->eye, layout->eye, sizeof out->eye);
-        out->plane = layout->tiles[0].plane;
-        return gw_place_scene(scene, layout->size[0], layout->size[1], layout->centre, layout->eye,
-                              &out->placement, error);
+        gw_code code = find_viewpoint(scene, o->viewpoint, &point, error);
+        return code ? code
+                    : camera_view(o, point->eye, point->look_at, point->up, o->has_fov ? o->fov : point->fov,
+                                  out, error);
     }
-    out->layout.tiles[0].plane = out->plane;
-    memcpy(out->layout.eye, out->eye, sizeof out->eye);
-    return code;
+    const gw_layout *layout = &out->layout;
+    memcpy(out->eye, layout->eye, sizeof out->eye);
+    out->plane = layout->tiles[0].plane;
+    return gw_place_scene(scene, layout->size[0], layout->size[1], layout->centre, layout->eye,
+                          &out->placement, error);
 }
 
 /* The picture's pixels, and whether the gaze is on one of them: known before the scene is. */

@@ -96,6 +96,19 @@ static void percentile_and_pop_are_of_what_is_rare(void **state) {
     gw_flicker_finish(&rows);
 }
 
+/* What differs across a cut is no flicker. */
+static void a_cut_is_no_change(void **state) {
+    gw_flicker flicker = {0};
+    (void)state;
+    for (int shot = 0; shot < 3; ++shot) {
+        gw_flicker_cut(&flicker);
+        for (int frame = 0; frame < 2; ++frame)
+            add(&flicker, filled(0), filled((uint8_t)(80 * shot)));
+    }
+    assert_true(gw_flicker_of(&flicker).mean == 0 && gw_flicker_of(&flicker).pop == 0);
+    gw_flicker_finish(&flicker);
+}
+
 static void wrong_sequences_are_refused(void **state) {
     gw_flicker flicker = {0};
     gw_image a = filled(1), b = filled(1);
@@ -115,6 +128,7 @@ int main(void) {
         cmocka_unit_test(what_moves_with_the_reference_does_not_flicker),
         cmocka_unit_test(one_blinking_pixel_has_its_value),
         cmocka_unit_test(percentile_and_pop_are_of_what_is_rare),
+        cmocka_unit_test(a_cut_is_no_change),
         cmocka_unit_test(wrong_sequences_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

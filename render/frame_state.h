@@ -44,7 +44,11 @@ typedef enum gw_debug_view {
     GW_DEBUG_GAZE,
     GW_DEBUG_RATES,
     GW_DEBUG_ECCENTRICITY,
-    GW_DEBUG_FOOTPRINT
+    GW_DEBUG_FOOTPRINT,
+    GW_DEBUG_LOADS, /* work of each pixel's rays, as GW_DEBUG_STEPS */
+    GW_DEBUG_TESTS,
+    GW_DEBUG_VOXELS,
+    GW_DEBUG_VIEWS
 } gw_debug_view;
 
 /* Copies the FRAME settings into the state. */

@@ -171,6 +171,7 @@ gw_code gw_renderer_add_work(gw_renderer *renderer, size_t slots, gw_counters *c
         counters->node_loads += work[i][1];
         counters->triangle_tests += work[i][2];
         counters->voxels += work[i][3];
+        counters->voxel_rays += work[i][3] > 0;
     }
     free(memory);
     return code;
@@ -250,6 +251,7 @@ void gw_counters_add(gw_counters *to, const gw_counters *from) {
     to->node_loads += from->node_loads;
     to->triangle_tests += from->triangle_tests;
     to->voxels += from->voxels;
+    to->voxel_rays += from->voxel_rays;
     to->step_cap_hits += from->step_cap_hits;
     to->nan_pixels += from->nan_pixels;
     to->resumed += from->resumed;

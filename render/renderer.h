@@ -22,9 +22,10 @@
 
 typedef struct gw_renderer gw_renderer;
 
-/* Deterministic work of one frame. steps to voxels are zero unless counting was on. */
+/* Deterministic work of one frame. steps to voxel_rays are zero unless counting was on. */
 typedef struct gw_counters {
     uint64_t rays, steps, node_loads, triangle_tests, voxels;
+    uint64_t voxel_rays;    /* rays that met a voxel */
     uint64_t step_cap_hits; /* rays that the driver cut off: must stay 0; always counted */
     uint64_t nan_pixels;    /* pixels replaced by the background; always counted */
     uint64_t resumed;       /* further dispatches of suspended rays, summed over rays; always counted */

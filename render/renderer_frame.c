@@ -12,6 +12,11 @@ static int64_t block_of(int64_t pixel) {
     return pixel >= 0 ? pixel / GW_BLOCK_SIDE : -((-pixel + GW_BLOCK_SIDE - 1) / GW_BLOCK_SIDE);
 }
 
+static int shows_work(uint8_t debug) {
+    return debug == GW_DEBUG_STEPS || debug == GW_DEBUG_LOADS || debug == GW_DEBUG_TESTS ||
+           debug == GW_DEBUG_VOXELS;
+}
+
 static gw_kernel_key key_of(const gw_renderer *renderer, const gw_frame_state *state, uint32_t viewers) {
     uint32_t features = renderer->scene_features | renderer->forced_features |
                         gw_features_of_frame(state, viewers, renderer->scene_features);
@@ -26,7 +31,7 @@ static gw_kernel_key key_of(const gw_renderer *renderer, const gw_frame_state *s
                            .leaf_blend = lod && state->leaf_blend,
                            .voxel_emission = lod && renderer->octree->emissions != NULL,
                            .double_edges = state->triangle_precision == GW_PRECISION_DOUBLE,
-                           .count = renderer->count || state->debug == GW_DEBUG_STEPS};
+                           .count = renderer->count || shows_work(state->debug)};
 }
 
 /* Copies the chunk's pixels that lie in the rectangle; slots are in Morton order within blocks. */

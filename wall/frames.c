@@ -49,7 +49,7 @@ static const byte_field byte_fields[] = {
     {"sample_block", offsetof(gw_frame_state, sample_block), 3},
     {"samples", offsetof(gw_frame_state, samples), 4},
     {"triangle_precision", offsetof(gw_frame_state, triangle_precision), GW_PRECISION_DOUBLE},
-    {"debug", offsetof(gw_frame_state, debug), GW_DEBUG_FOOTPRINT},
+    {"debug", offsetof(gw_frame_state, debug), GW_DEBUG_VIEWS - 1},
 };
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))

@@ -217,8 +217,9 @@ enum {
     KEY_LOG
 };
 
-static const char *const debug_names[] = {"none", "levels", "steps",        "normals",
-                                          "gaze", "rates",  "eccentricity", "footprint"};
+static const char *const debug_names[GW_DEBUG_VIEWS] = {"none",  "levels", "steps",        "normals",
+                                                        "gaze",  "rates",  "eccentricity", "footprint",
+                                                        "loads", "tests",  "voxels"};
 
 static const struct argp_option scene_options[] = {
     {NULL, 0, NULL, 0, "What is drawn:", 10},
@@ -258,25 +259,25 @@ static const struct argp_option frame_options[] = {
     {"time", KEY_TIME, "SECONDS", 0,
      "0 to 1e6, default 0: where on the track's and the animation's clock the first frame stands", 10},
     {"debug", KEY_DEBUG, "VIEW", 0,
-     "levels (red: triangles, green to blue: voxel levels), steps, normals, gaze (accepted error), rates "
+     "levels (red: triangles, green to blue: voxel levels), normals, gaze (accepted error), rates "
      "(pixels a "
-     "ray), eccentricity, footprint, or none; default none",
+     "ray), eccentricity, footprint, work of each ray: steps, loads (of nodes), tests (of triangles), "
+     "voxels, or none; default none",
      10},
     {"count", KEY_COUNT, NULL, 0,
      "count steps, node loads and triangle tests for the report (slower, same pixels)", 11},
     {0}};
 
 static gw_code set_debug(gw_draw_options *options, const char *word) {
-    size_t count = sizeof debug_names / sizeof debug_names[0];
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < GW_DEBUG_VIEWS; i++)
         if (!strcmp(word, debug_names[i])) {
             options->debug = (gw_debug_view)i;
             return GW_OK;
         }
-    const char *near = gw_suggest(word, debug_names, count);
+    const char *near = gw_suggest(word, debug_names, GW_DEBUG_VIEWS);
     return gw_fail(options->error, GW_BAD_INPUT,
                    "--debug '%s' is no view; it is one of none, levels, steps, normals, gaze, rates, "
-                   "eccentricity, footprint%s%s%s",
+                   "eccentricity, footprint, loads, tests, voxels%s%s%s",
                    word, near ? " (did you mean '" : "", near ? near : "", near ? "'?)" : "");
 }
 

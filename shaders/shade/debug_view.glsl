@@ -6,6 +6,9 @@
 #define DEBUG_RATES 5
 #define DEBUG_ECCENTRICITY 6
 #define DEBUG_FOOTPRINT 7
+#define DEBUG_LOADS 8
+#define DEBUG_TESTS 9
+#define DEBUG_VOXELS 10
 
 vec3 heat(float x) {
     float c = clamp(x, 0.0, 1.0);
@@ -50,11 +53,17 @@ vec3 eccentricity_color(vec3 sum, vec3 direction) {
 }
 #endif
 
-// What a pixel shows instead of its sum; steps: traversal steps of its ray. The picture itself stays visible where a
-// map lies over it.
-vec3 debug_pixel(vec3 sum, Pixel_square square, Pixel_ray ray, float steps) {
+// What a pixel shows instead of its sum; work: steps, node loads, triangle tests and voxels of its ray. The picture itself
+// stays visible where a map lies over it.
+vec3 debug_pixel(vec3 sum, Pixel_square square, Pixel_ray ray, uvec4 work) {
 #if DEBUG_VIEW == DEBUG_STEPS
-    return heat(steps / 200.0);
+    return heat(float(work.x) / 200.0);
+#elif DEBUG_VIEW == DEBUG_LOADS
+    return heat(float(work.y) / 100.0);
+#elif DEBUG_VIEW == DEBUG_TESTS
+    return heat(float(work.z) / 100.0);
+#elif DEBUG_VIEW == DEBUG_VOXELS
+    return heat(float(work.w) / 20.0);
 #elif DEBUG_VIEW == DEBUG_GAZE
     // Warmer where more error is accepted.
     float accepted = frame.accuracy.x > frame.accuracy.y ? (ray.tau - frame.accuracy.y) / (frame.accuracy.x - frame.accuracy.y) : 0.0;

@@ -4,6 +4,7 @@
 // variants: OCTREE_DEPTH=11; OCTREE_DEPTH=11 LOD=1 GAZE=1 TEXTURES=1 TEXTURE_CLASSES=4 SMOOTH_NORMALS=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 ALPHA=1 RESUME=1 VERTEX_COLORS=1 EMISSIVE=1 POINT_LIGHTS=1 DIRECTIONAL_LIGHTS=1 COUNT=1
 // variants: OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 EMISSIVE=1 VOXEL_EMISSION=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=8; OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=9; OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=10
 // variants: OCTREE_DEPTH=11 DEBUG_VIEW=1; OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=2; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=4
 // variants: OCTREE_DEPTH=11 GAZE=1 SPARSE=1 DEBUG_VIEW=5; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=6; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=7
 #ifndef OCTREE_DEPTH
@@ -116,11 +117,12 @@ void main() {
         return;
     }
     vec3 color = finish(sum, left);
-    float steps = 0.0;
 #ifdef COUNT
-    steps = float(work_of[slot].x);
+    uvec4 work = work_of[slot];
+#else
+    const uvec4 work = uvec4(0u);
 #endif
-    color = debug_pixel(color, square, ray, steps);
+    color = debug_pixel(color, square, ray, work);
     if (!all(lessThan(abs(color), vec3(1e30)))) {
         atomicAdd(totals[1], 1u);
         color = frame.background.rgb;

@@ -111,6 +111,9 @@ void main() {
     if (!present) {
 #ifndef RESUME
         statuses[ray_slot] = uvec2(GW_STATUS_OUTSIDE, 0u);
+#ifdef COUNT
+        work_of[ray_slot] = uvec4(0u);
+#endif
 #endif
         return;
     }

@@ -85,7 +85,9 @@ gw_code gw_gl_buffer_write(gw_gl_buffer *buffer, size_t offset, size_t size, con
 /* Waits for the GPU, then copies. */
 gw_code gw_gl_buffer_read(const gw_gl_buffer *buffer, size_t offset, size_t size, void *data,
                           gw_error *error);
-void gw_gl_buffer_bind(const gw_gl_buffer *buffer, GLuint binding);       /* as shader storage */
+void gw_gl_buffer_bind(const gw_gl_buffer *buffer, GLuint binding); /* as shader storage */
+/* The part from `offset` on, `size` bytes long; offset is a multiple of 256. */
+void gw_gl_buffer_bind_range(const gw_gl_buffer *buffer, GLuint binding, size_t offset, size_t size);
 void gw_gl_texture_bind(const gw_gl_buffer *buffer, GLuint texture_unit); /* its buffer texture */
 
 /* The pool: storage of finished buffers is kept for buffers to come of about the same size (up to a quarter
@@ -104,6 +106,10 @@ gw_gl_pool_counts gw_gl_pool_counts_of(const gw_gl *device);
  * setting the uniform uint "group_base" (optional in the shader when one slice is enough) before each, with a
  * storage and texture fetch barrier after the last. */
 gw_code gw_gl_dispatch(gw_gl *device, GLuint program, uint64_t groups, gw_error *error);
+/* The same for as many groups as the three words at `offset` of the buffer say, which a kernel may have
+ * written: at most 65,535 in x, 1 in y and z. */
+gw_code gw_gl_dispatch_indirect(gw_gl *device, GLuint program, const gw_gl_buffer *arguments, size_t offset,
+                                gw_error *error);
 /* Waits until all that was issued is done, by a fence. */
 gw_code gw_gl_finish(gw_gl *device, gw_error *error);
 /* GW_MACHINE naming `where` if GL has recorded an error. */

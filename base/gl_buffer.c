@@ -186,6 +186,10 @@ void gw_gl_buffer_bind(const gw_gl_buffer *buffer, GLuint binding) {
     }
 }
 
+void gw_gl_buffer_bind_range(const gw_gl_buffer *buffer, GLuint binding, size_t offset, size_t size) {
+    glBindBufferRange(GL_SHADER_STORAGE_BUFFER, binding, buffer->id, (GLintptr)offset, (GLsizeiptr)size);
+}
+
 void gw_gl_texture_bind(const gw_gl_buffer *buffer, GLuint texture_unit) {
     glBindTextureUnit(texture_unit, buffer->texture);
 }

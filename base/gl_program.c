@@ -205,6 +205,10 @@ gw_code gw_gl_uniform(GLuint program, const char *name, GLint *out, gw_error *er
     return GW_OK;
 }
 
+static const GLbitfield after_dispatch = GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+                                         GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
+                                         GL_COMMAND_BARRIER_BIT;
+
 gw_code gw_gl_dispatch(gw_gl *device, GLuint program, uint64_t groups, gw_error *error) {
     if (groups == 0) {
         return GW_OK;
@@ -229,8 +233,20 @@ gw_code gw_gl_dispatch(gw_gl *device, GLuint program, uint64_t groups, gw_error 
         }
         glDispatchCompute((GLuint)count, 1, 1);
     }
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
-                    GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
-                    GL_COMMAND_BARRIER_BIT);
+    glMemoryBarrier(after_dispatch);
     return gw_gl_check("dispatching work groups", error);
+}
+
+gw_code gw_gl_dispatch_indirect(gw_gl *device, GLuint program, const gw_gl_buffer *arguments, size_t offset,
+                                gw_error *error) {
+    (void)device;
+    GLint base = glGetUniformLocation(program, "group_base");
+    if (base >= 0) {
+        glProgramUniform1ui(program, base, 0);
+    }
+    glUseProgram(program);
+    glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, arguments->id);
+    glDispatchComputeIndirect((GLintptr)offset);
+    glMemoryBarrier(after_dispatch);
+    return gw_gl_check("dispatching work groups that a kernel counted", error);
 }

@@ -64,7 +64,7 @@
            "most that gaze age adds to each half-angle")                                                               \
     GW_ROW(acuity_slope, REAL, 0.022, 0.0, 0.2, "", FRAME, "deg/deg", "blur in the periphery against cost", "0",       \
            "growth of the smallest resolvable period with eccentricity (m of MAR(e) = 1/48 + m e)")                    \
-    GW_ROW(sample_block, CHOICE, 3, 0, 3, "1|2|4|8", FRAME, "px", "sharpness in the periphery against rays",            \
+    GW_ROW(sample_block, CHOICE, 3, 0, 4, "1|2|4|8|16", FRAME, "px", "sharpness in the periphery against rays",            \
            "1 (a ray per pixel)", "largest square of pixels that shares one ray where the viewer cannot tell")          \
     GW_ROW(samples, CHOICE, 0, 0, 4, "1|2|4|8|16", FRAME, "rays", "jagged and shimmering edges against rays", "16",  \
            "rays of a pixel where the viewer sees it sharp, at fixed places in it")                                    \

@@ -30,7 +30,7 @@ typedef struct gw_frame_state {
         acuity_slope, voxel_slab, voxel_flatness, fold_agreement, least_remainder, separated_tau;
     uint8_t geometry, level_blend, leaf_blend, texture_filter, triangle_precision;
     uint8_t debug;        /* gw_debug_view */
-    uint8_t sample_block; /* log2 of the side of the largest sample block, 0..3 */
+    uint8_t sample_block; /* log2 of the side of the largest sample block, 0..4 */
     uint8_t samples;      /* log2 of the rays of a sharp pixel, 0..4 */
     uint32_t seed;
 } gw_frame_state;

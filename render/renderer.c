@@ -74,9 +74,7 @@ void gw_renderer_destroy(gw_renderer **renderer) {
     gw_gl_buffer_finish(&r->frame);
     gw_gl_buffer_finish(&r->given_rays);
     gw_gl_buffer_finish(&r->found_hits);
-    gw_gl_buffer_finish(&r->samples);
-    gw_gl_buffer_finish(&r->blocks);
-    gw_sparse_finish(&r->sparse);
+    gw_sample_buffers_finish(&r->samples);
     free(r->host_pixels);
     free(r);
     *renderer = NULL;
@@ -98,12 +96,13 @@ static const struct {
     {"counted work", offsetof(gw_ray_buffers, work), 16, 1},
 };
 
-void gw_renderer_ray_memory(const gw_renderer *renderer, uint64_t *bytes, uint64_t *rays) {
+void gw_renderer_ray_memory(const gw_renderer *renderer, uint64_t *bytes, uint64_t *rays, uint64_t *lists) {
     const gw_kernel_key key = {.features = GW_FEATURE_LOD};
     *bytes = gw_kernel_fragments(&key) * (uint64_t)GW_FRAGMENT_WORDS * sizeof(uint32_t);
     for (size_t i = 0; i < sizeof ray_rows / sizeof ray_rows[0]; ++i)
         *bytes += !ray_rows[i].counting || renderer->count ? ray_rows[i].bytes : 0;
-    *rays = (uint64_t)gw_renderer_chunk_slots(renderer) * GW_SPARSE_CHUNK;
+    *rays = gw_renderer_chunk_slots(renderer);
+    *lists = (uint64_t)GW_MOST_SAMPLES * (GW_SAMPLE_BYTES + GW_SAMPLE_PIXEL_BYTES);
 }
 
 static gw_code create_ray_buffers(gw_renderer *renderer, size_t slots, size_t fragment_words, int work,
@@ -237,7 +236,7 @@ gw_renderer_parts gw_renderer_parts_of(const gw_renderer *renderer) {
         .rays = renderer->totals.size + renderer->frame.size + renderer->given_rays.size +
                 renderer->found_hits.size + rays->fragments.size + rays->statuses.size + rays->states.size +
                 rays->queues[0].size + rays->queues[1].size + rays->work.size + rays->sums.size +
-                rays->pixels.size + renderer->samples.size + renderer->blocks.size};
+                rays->pixels.size + gw_sample_buffers_bytes(&renderer->samples)};
 }
 
 uint64_t gw_renderer_bytes(const gw_renderer *renderer) {

@@ -55,6 +55,12 @@ gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement,
                           const gw_rectangle *rectangle, const gw_frame_state *state, uint8_t *rgba,
                           gw_counters *counters, gw_error *error);
 
+/* Adds to *rays how many primary rays such a frame traces, rims included, without tracing them. Where every
+ * pixel has one ray that is the rectangle's pixels. */
+gw_code gw_renderer_count_rays(gw_renderer *renderer, const gw_similarity *placement, const gw_plane *plane,
+                               const gw_rectangle *rectangle, const gw_frame_state *state, uint64_t *rays,
+                               gw_error *error);
+
 /* Rays for oracles and benches, in rebased space; directions need not be unit, t is in units of the
  * direction. */
 typedef struct gw_ray {
@@ -107,8 +113,8 @@ gw_renderer_parts gw_renderer_parts_of(const gw_renderer *renderer);
 /* All of them. */
 uint64_t gw_renderer_bytes(const gw_renderer *renderer);
 /* What frames may need on the GPU beyond that, at most, however large the rectangle: it is rendered in
- * chunks, in the same buffers. bytes: of one ray, with voxels. rays: at a time, with a gaze; half of it
- * without. */
-void gw_renderer_ray_memory(const gw_renderer *renderer, uint64_t *bytes, uint64_t *rays);
+ * chunks, in the same buffers. bytes: of one ray, with voxels. rays: at a time. lists: bytes of the samples
+ * of a frame with a gaze, or with several rays a pixel. */
+void gw_renderer_ray_memory(const gw_renderer *renderer, uint64_t *bytes, uint64_t *rays, uint64_t *lists);
 
 #endif

@@ -26,11 +26,17 @@ gw_code gw_frame_kernels(gw_frame_job *job, int resume, gw_error *error) {
     return code;
 }
 
+static gw_code dispatch(gw_frame_job *job, GLuint program, size_t slots, gw_error *error) {
+    gw_gl *device = job->renderer->device;
+    if (job->arguments)
+        return gw_gl_dispatch_indirect(device, program, job->arguments, job->argument_offset, error);
+    return gw_gl_dispatch(device, program, (slots + GW_BLOCK_PIXELS - 1) / GW_BLOCK_PIXELS, error);
+}
+
 gw_code gw_frame_dispatch(gw_frame_job *job, size_t slots, gw_error *error) {
-    uint64_t groups = (slots + GW_BLOCK_PIXELS - 1) / GW_BLOCK_PIXELS;
-    gw_code code = gw_gl_dispatch(job->renderer->device, job->trace, groups, error);
+    gw_code code = dispatch(job, job->trace, slots, error);
     if (!code)
-        code = gw_gl_dispatch(job->renderer->device, job->shade, groups, error);
+        code = dispatch(job, job->shade, slots, error);
     return code;
 }
 
@@ -38,6 +44,7 @@ gw_code gw_frame_dispatch(gw_frame_job *job, size_t slots, gw_error *error) {
 gw_code gw_frame_resume(gw_frame_job *job, uint32_t queue_length, gw_error *error) {
     gw_ray_buffers *rays = &job->renderer->rays;
     gw_code code = gw_frame_kernels(job, 1, error);
+    job->arguments = NULL;
     for (int from = 1; !code && queue_length > 0; from = 1 - from) {
         uint32_t totals[4];
         job->counters.resumed += queue_length;

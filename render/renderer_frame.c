@@ -66,64 +66,68 @@ static uint64_t pixels_of_chunk(const gw_frame_job *job) {
     return pixels;
 }
 
-static gw_code render_chunk(gw_frame_job *job, size_t block_count, gw_error *error) {
-    gw_renderer *renderer = job->renderer;
-    int sparse = 0;
-    size_t pixel_slots = block_count * GW_BLOCK_PIXELS, slots = pixel_slots;
-    uint32_t totals[4] = {0};
-    job->block.chunk[3] = (int32_t)block_count;
-    gw_code code = gw_gl_buffer_write(&renderer->frame, 0, sizeof job->block, &job->block, error);
-    if (!code && job->may_be_sparse) {
-        code = gw_frame_list_samples(job, block_count, error);
-        sparse = (job->key.features & GW_FEATURE_SPARSE) != 0;
-        slots = sparse ? renderer->sparse.sample_count : pixel_slots;
-    }
-    job->counters.rays += sparse ? renderer->sparse.real_samples : pixels_of_chunk(job);
-    if (!code)
-        code = gw_renderer_clear_totals(renderer, error);
-    if (!code)
-        code = gw_renderer_reserve(renderer, slots > pixel_slots ? slots : pixel_slots,
-                                   gw_kernel_fragments(&job->key), job->key.count, error);
+gw_code gw_frame_batch(gw_frame_job *job, size_t slots, gw_error *error) {
+    uint32_t totals[GW_TOTAL_WORDS] = {0};
+    gw_code code = gw_renderer_clear_totals(job->renderer, error);
     if (!code)
         code = gw_frame_kernels(job, 0, error);
     if (!code)
         code = gw_frame_dispatch(job, slots, error);
     if (!code)
-        code = gw_renderer_read_totals(renderer, totals, error);
+        code = gw_renderer_read_totals(job->renderer, totals, error);
     job->counters.step_cap_hits += totals[0];
     job->counters.nan_pixels += totals[1];
     if (!code && totals[2] > 0)
         code = gw_frame_resume(job, totals[2], error);
-    if (!code && sparse)
-        code = gw_frame_reconstruct(job, pixel_slots, error);
+    return code;
+}
+
+/* A ray for each pixel. */
+static gw_code render_pixels(gw_frame_job *job, size_t slots, gw_error *error) {
+    gw_renderer *renderer = job->renderer;
+    job->counters.rays += pixels_of_chunk(job);
+    gw_code code =
+        gw_renderer_reserve(renderer, slots, gw_kernel_fragments(&job->key), job->key.count, error);
     if (!code)
-        code = gw_grow((void **)&renderer->host_pixels, &renderer->host_pixel_capacity, pixel_slots,
-                       sizeof(uint32_t), "pixels", error);
-    if (!code)
-        code = gw_gl_buffer_read(&renderer->rays.pixels, 0, pixel_slots * sizeof(uint32_t),
-                                 renderer->host_pixels, error);
-    if (!code)
-        place_pixels(job, block_count);
+        code = gw_frame_batch(job, slots, error);
     if (!code && job->key.count)
         code = gw_renderer_add_work(renderer, slots, &job->counters, error);
     return code;
 }
 
+static gw_code render_chunk(gw_frame_job *job, size_t block_count, gw_error *error) {
+    gw_renderer *renderer = job->renderer;
+    const int sparse = (job->key.features & GW_FEATURE_SPARSE) != 0;
+    size_t pixel_slots = block_count * GW_BLOCK_PIXELS;
+    gw_code code = sparse ? gw_frame_samples(job, block_count, error)
+                          : gw_gl_buffer_write(&renderer->frame, 0, sizeof job->block, &job->block, error);
+    if (!code && !sparse)
+        code = render_pixels(job, pixel_slots, error);
+    if (!code)
+        code = gw_grow((void **)&renderer->host_pixels, &renderer->host_pixel_capacity, pixel_slots,
+                       sizeof(uint32_t), "pixels", error);
+    if (!code)
+        code = gw_gl_buffer_read(sparse ? &renderer->samples.pixels : &renderer->rays.pixels, 0,
+                                 pixel_slots * sizeof(uint32_t), renderer->host_pixels, error);
+    if (!code)
+        place_pixels(job, block_count);
+    return code;
+}
+
+typedef gw_code (*gw_chunk_visit)(gw_frame_job *job, size_t block_count, gw_error *error);
+
 /* Chunks are bands of block rows; a band too wide for one chunk is cut into columns as well. */
-static gw_code render_chunks(gw_frame_job *job, gw_error *error) {
+static gw_code visit_chunks(gw_frame_job *job, gw_chunk_visit visit, gw_error *error) {
     const gw_rectangle *r = job->rectangle;
+    const int sparse = (job->key.features & GW_FEATURE_SPARSE) != 0;
     int64_t first_x = block_of(r->x), end_x = block_of((int64_t)r->x + r->width - 1) + 1;
     int64_t first_y = block_of(r->y), end_y = block_of((int64_t)r->y + r->height - 1) + 1;
-    int64_t limit = (int64_t)(gw_renderer_chunk_slots(job->renderer) / GW_BLOCK_PIXELS);
-    int64_t most_columns = limit;
-    if (job->may_be_sparse) {
-        limit = limit * GW_SPARSE_CHUNK / job->block.counts[3];
-        most_columns = limit < GW_SPARSE_SIDE ? limit : GW_SPARSE_SIDE;
-    }
-    int64_t columns = end_x - first_x < most_columns ? end_x - first_x : most_columns;
-    int64_t rows = limit / columns;
-    if (job->may_be_sparse && rows > GW_SPARSE_SIDE)
-        rows = GW_SPARSE_SIDE;
+    int64_t limit =
+        (int64_t)(sparse ? GW_MOST_SAMPLES / job->block.counts[3] : gw_renderer_chunk_slots(job->renderer)) /
+        GW_BLOCK_PIXELS;
+    int64_t most_side = sparse ? GW_MOST_SPARSE_SIDE : limit;
+    int64_t columns = end_x - first_x < most_side ? end_x - first_x : most_side;
+    int64_t rows = limit / columns < most_side ? limit / columns : most_side;
     gw_code code = GW_OK;
     for (int64_t y = first_y; y < end_y && !code; y += rows)
         for (int64_t x = first_x; x < end_x && !code; x += columns) {
@@ -132,7 +136,8 @@ static gw_code render_chunks(gw_frame_job *job, gw_error *error) {
             job->block.chunk[0] = (int32_t)(x * GW_BLOCK_SIDE);
             job->block.chunk[1] = (int32_t)(y * GW_BLOCK_SIDE);
             job->block.chunk[2] = (int32_t)wide;
-            code = render_chunk(job, (size_t)(wide * high), error);
+            job->block.chunk[3] = (int32_t)(wide * high);
+            code = visit(job, (size_t)(wide * high), error);
         }
     return code;
 }
@@ -152,10 +157,12 @@ static gw_code move_scene(gw_renderer *renderer, int64_t time, gw_error *error) 
     return GW_OK;
 }
 
-gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement, const gw_plane *plane,
-                          const gw_rectangle *rectangle, const gw_frame_state *state, uint8_t *rgba,
-                          gw_counters *counters, gw_error *error) {
+/* Everything about the frame but its chunks. */
+static gw_code begin_frame(gw_frame_job *job, const gw_similarity *placement, const gw_plane *plane,
+                           const gw_frame_state *state, gw_error *error) {
     const int64_t furthest = 1 << 24; /* pixel centres are exact in float below this */
+    const gw_rectangle *rectangle = job->rectangle;
+    gw_renderer *renderer = job->renderer;
     if (rectangle->width == 0 || rectangle->height == 0 || rectangle->x < -furthest ||
         rectangle->y < -furthest || (int64_t)rectangle->x + rectangle->width > furthest ||
         (int64_t)rectangle->y + rectangle->height > furthest)
@@ -164,11 +171,10 @@ gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement,
             "a rectangle of %u x %u pixels at (%d, %d) cannot be rendered; sides must be at least 1 and "
             "coordinates within 2^24",
             rectangle->width, rectangle->height, rectangle->x, rectangle->y);
-    gw_frame_job job = {.renderer = renderer, .rectangle = rectangle, .rgba = rgba};
     uint32_t dropped = 0;
     gw_code code = move_scene(renderer, state->time, error);
     if (!code)
-        code = gw_frame_block_fill(renderer->scene, renderer->octree, placement, plane, state, &job.block,
+        code = gw_frame_block_fill(renderer->scene, renderer->octree, placement, plane, state, &job->block,
                                    &dropped, error);
     if (code)
         return code;
@@ -176,22 +182,45 @@ gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement,
         gw_log_write(renderer->log, GW_LOG_WARNING,
                      "frame %u: %u of %u gazes cannot be used and are left out", state->frame, dropped,
                      state->gaze_count);
-    job.block.counts[1] = renderer->buffers.directional_count;
-    job.block.counts[2] = renderer->buffers.point_count;
-    job.block.window[0] = rectangle->x;
-    job.block.window[1] = rectangle->y;
-    job.block.window[2] = rectangle->x + (int32_t)rectangle->width;
-    job.block.window[3] = rectangle->y + (int32_t)rectangle->height;
-    job.key = key_of(renderer, state, job.block.counts[0]);
+    job->block.counts[1] = renderer->buffers.directional_count;
+    job->block.counts[2] = renderer->buffers.point_count;
+    job->block.window[0] = rectangle->x;
+    job->block.window[1] = rectangle->y;
+    job->block.window[2] = rectangle->x + (int32_t)rectangle->width;
+    job->block.window[3] = rectangle->y + (int32_t)rectangle->height;
+    job->key = key_of(renderer, state, job->block.counts[0]);
+    job->sample_block = state->sample_block < 4 ? state->sample_block : 4;
+    return GW_OK;
+}
+
+gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement, const gw_plane *plane,
+                          const gw_rectangle *rectangle, const gw_frame_state *state, uint8_t *rgba,
+                          gw_counters *counters, gw_error *error) {
+    gw_frame_job job = {.renderer = renderer, .rectangle = rectangle, .rgba = rgba};
+    gw_code code = begin_frame(&job, placement, plane, state, error);
+    if (code)
+        return code;
     renderer->has_drawn = 1;
     renderer->last_features = gw_features_of_frame(state, job.block.counts[0], renderer->scene_features);
-    job.sample_block = state->sample_block < 3 ? state->sample_block : 3;
-    job.may_be_sparse = (job.key.features & GW_FEATURE_SPARSE) != 0;
     gw_scene_buffers_bind(&renderer->buffers, state->texture_filter);
-    code = render_chunks(&job, error);
+    code = visit_chunks(&job, render_chunk, error);
     if (code)
         return gw_context(error, "frame %u", state->frame);
     if (counters)
         gw_counters_add(counters, &job.counters);
     return GW_OK;
+}
+
+gw_code gw_renderer_count_rays(gw_renderer *renderer, const gw_similarity *placement, const gw_plane *plane,
+                               const gw_rectangle *rectangle, const gw_frame_state *state, uint64_t *rays,
+                               gw_error *error) {
+    gw_frame_job job = {.renderer = renderer, .rectangle = rectangle};
+    gw_code code = begin_frame(&job, placement, plane, state, error);
+    if (!code && (job.key.features & GW_FEATURE_SPARSE))
+        code = visit_chunks(&job, gw_frame_count_samples, error);
+    else if (!code)
+        job.counters.rays = (uint64_t)rectangle->width * rectangle->height;
+    if (!code)
+        *rays += job.counters.rays;
+    return code;
 }

@@ -7,7 +7,6 @@
 #include "render/moving.h"
 #include "render/renderer.h"
 #include "render/scene_buffers.h"
-#include "render/sparse.h"
 
 /* Storage bindings of trace/primary.comp, trace/rays.comp and shade/shade.comp. */
 enum gw_binding {
@@ -26,6 +25,13 @@ enum gw_binding {
     GW_BINDING_REFERENCES = 12,
     GW_BINDING_TRIANGLES = 13
 };
+/* Of the kernels of shaders/sample, before a batch is traced. */
+enum gw_list_binding {
+    GW_LIST_BINDING_RATES = 0,
+    GW_LIST_BINDING_COUNTS = 1,
+    GW_LIST_BINDING_GROUP_SUMS = 2,
+    GW_LIST_BINDING_LIST = 3
+};
 
 enum { GW_BLOCK_SIDE = 8, GW_BLOCK_PIXELS = 64 };
 
@@ -36,6 +42,14 @@ typedef struct gw_ray_buffers {
     int has_work;
     gw_gl_buffer fragments, statuses, states, queues[2], work, sums, pixels;
 } gw_ray_buffers;
+
+/* What a chunk of sparse samples has beside the rays of a batch of them; made with the first such chunk, and
+ * they only grow. */
+typedef struct gw_sample_buffers {
+    gw_gl_buffer rates, counts, group_sums; /* of the list under way */
+    gw_gl_buffer list;                      /* GW_LIST_ARGUMENTS words, then the arguments of each batch */
+    gw_gl_buffer samples, blocks, sums, pixels;
+} gw_sample_buffers;
 
 struct gw_renderer {
     gw_gl *device;
@@ -53,9 +67,8 @@ struct gw_renderer {
     gw_ray_buffers rays;
     gw_gl_buffer totals, frame;
     gw_gl_buffer given_rays, found_hits; /* of gw_renderer_trace */
-    gw_sparse sparse;                    /* of the present chunk */
-    gw_gl_buffer samples, blocks;        /* the same on the GPU; exist only if a frame was sparse */
-    uint32_t *host_pixels;               /* of one chunk */
+    gw_sample_buffers samples;
+    uint32_t *host_pixels; /* of one chunk */
     size_t host_pixel_capacity;
 };
 
@@ -73,10 +86,10 @@ gw_code gw_renderer_kernel(gw_renderer *renderer, const char *name, const gw_ker
                            const char *more_defines, GLuint *out, gw_error *error);
 /* Rays that one chunk may hold: dispatches stay short on software GL. */
 size_t gw_renderer_chunk_slots(const gw_renderer *renderer);
-/* Chunks of frames with sparse samples have so many times the pixels: less rim, and fewer samples than
- * pixels.
- */
-enum { GW_SPARSE_CHUNK = 2 };
+/* Samples and blocks a side that a chunk with sparse samples may hold: its lists, not its batches of rays. */
+enum { GW_MOST_SAMPLES = 1 << 22, GW_MOST_SPARSE_SIDE = 496 };
+/* Bytes of one sample in the lists, and of one pixel. */
+enum { GW_SAMPLE_BYTES = 4 + 16, GW_SAMPLE_PIXEL_BYTES = 4 };
 
 /* A frame under way. */
 typedef struct gw_frame_job {
@@ -84,7 +97,8 @@ typedef struct gw_frame_job {
     gw_kernel_key key;
     gw_frame_block block;
     GLuint trace, shade;
-    int may_be_sparse;     /* the frame calls for sparse samples; each chunk decides for itself */
+    const gw_gl_buffer *arguments; /* of indirect dispatches of both; NULL: of as many slots as is said */
+    size_t argument_offset;
     uint32_t sample_block; /* log2 of the side of the largest sample block */
     const gw_rectangle *rectangle;
     uint8_t *rgba;
@@ -95,9 +109,14 @@ typedef struct gw_frame_job {
 gw_code gw_frame_kernels(gw_frame_job *job, int resume, gw_error *error);
 gw_code gw_frame_dispatch(gw_frame_job *job, size_t slots, gw_error *error);
 gw_code gw_frame_resume(gw_frame_job *job, uint32_t queue_length, gw_error *error);
-/* renderer_samples.c: the samples of the chunk of block_count blocks, listed and on the GPU; pixels of them.
- */
-gw_code gw_frame_list_samples(gw_frame_job *job, size_t block_count, gw_error *error);
-gw_code gw_frame_reconstruct(gw_frame_job *job, size_t pixel_slots, gw_error *error);
+/* renderer_frame.c: one batch of rays in slots from 0 on, also those that are suspended. */
+gw_code gw_frame_batch(gw_frame_job *job, size_t slots, gw_error *error);
+/* renderer_samples.c: the samples of the chunk of block_count blocks, listed, traced and made pixels, which
+ * are in samples.pixels then. */
+gw_code gw_frame_samples(gw_frame_job *job, size_t block_count, gw_error *error);
+/* Only lists them, and adds to the job's rays how many there are. */
+gw_code gw_frame_count_samples(gw_frame_job *job, size_t block_count, gw_error *error);
+void gw_sample_buffers_finish(gw_sample_buffers *buffers);
+uint64_t gw_sample_buffers_bytes(const gw_sample_buffers *buffers);
 
 #endif

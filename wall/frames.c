@@ -46,7 +46,7 @@ static const byte_field byte_fields[] = {
     {"level_blend", offsetof(gw_frame_state, level_blend), 1},
     {"leaf_blend", offsetof(gw_frame_state, leaf_blend), 1},
     {"texture_filter", offsetof(gw_frame_state, texture_filter), GW_FILTER_TRILINEAR},
-    {"sample_block", offsetof(gw_frame_state, sample_block), 3},
+    {"sample_block", offsetof(gw_frame_state, sample_block), 4},
     {"samples", offsetof(gw_frame_state, samples), 4},
     {"triangle_precision", offsetof(gw_frame_state, triangle_precision), GW_PRECISION_DOUBLE},
     {"debug", offsetof(gw_frame_state, debug), GW_DEBUG_VIEWS - 1},

@@ -30,7 +30,7 @@ static void measure_memory(const gw_model *model, const gw_renderer *renderer, g
     m->triangles = gw_triangle_bytes(model->scene);
     m->host_octree = m->nodes + m->references + m->boxes + m->payload;
     m->others = gw_renderer_bytes(renderer) - m->host_octree - m->triangles;
-    gw_renderer_ray_memory(renderer, &m->ray, &m->rays_at_once);
+    gw_renderer_ray_memory(renderer, &m->ray, &m->rays_at_once, &m->sample_lists);
     m->build_peak = model->build_peak;
     m->host_scene = scene_bytes(model->scene);
     m->host_textures = texture_bytes(model->scene);
@@ -86,13 +86,13 @@ static json_t *lists_json(const gw_octree_report *r) {
 }
 
 static json_t *memory_json(const gw_memory_report *m) {
-    return json_pack("{s:{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}, s:{s:o, s:o, s:o}}", "gpu", "nodes",
-                     count(m->nodes), "references", count(m->references), "boxes", count(m->boxes), "payload",
-                     count(m->payload), "triangles", count(m->triangles), "others", count(m->others), "ray",
-                     count(m->ray), "rays_at_once", count(m->rays_at_once), "build_peak",
-                     m->build_peak ? count(m->build_peak) : json_null(), "host", "scene",
-                     count(m->host_scene), "textures", count(m->host_textures), "octree",
-                     count(m->host_octree));
+    return json_pack(
+        "{s:{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}, s:{s:o, s:o, s:o}}", "gpu", "nodes",
+        count(m->nodes), "references", count(m->references), "boxes", count(m->boxes), "payload",
+        count(m->payload), "triangles", count(m->triangles), "others", count(m->others), "ray", count(m->ray),
+        "rays_at_once", count(m->rays_at_once), "sample_lists", count(m->sample_lists), "build_peak",
+        m->build_peak ? count(m->build_peak) : json_null(), "host", "scene", count(m->host_scene), "textures",
+        count(m->host_textures), "octree", count(m->host_octree));
 }
 
 void gw_inspect_report_json(const gw_inspect_report *inspected, const gw_model *model, json_t *report) {
@@ -174,6 +174,8 @@ void gw_inspect_print_memory(const gw_inspect_report *inspected, const gw_scene 
     printf("    %10.2f MiB at most for rays: %" PRIu64 " bytes each, %" PRIu64
            " at a time, however large the tile\n",
            (double)(m->ray * m->rays_at_once) / mebibyte, m->ray, m->rays_at_once);
+    printf("    %10.2f MiB at most for lists of samples, where somebody's gaze is known\n",
+           (double)m->sample_lists / mebibyte);
     if (m->build_peak)
         printf("    %10.2f MiB at most while the octree was built\n", (double)m->build_peak / mebibyte);
     printf("memory of the host %.2f MiB triangles and vertices, %.2f MiB textures, %.2f MiB octree\n",

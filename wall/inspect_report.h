@@ -19,6 +19,7 @@ typedef struct gw_memory_report {
     uint64_t others;                            /* textures, materials, lights */
     uint64_t ray;                               /* one ray while it is traced */
     uint64_t rays_at_once;                      /* at most; larger tiles are drawn in chunks */
+    uint64_t sample_lists;                      /* of a frame with a gaze, at most */
     uint64_t build_peak; /* most at once while the octree was built; 0: it was not built */
     uint64_t host_scene, host_textures, host_octree;
 } gw_memory_report;

@@ -7,7 +7,7 @@ layout(local_size_x = 64) in;
 uniform uint group_base;
 layout(std430, binding = 7) readonly buffer Sums { vec4 sums[]; };
 layout(std430, binding = 8) writeonly buffer Pixels { uint pixels[]; };
-layout(std430, binding = 10) readonly buffer Blocks { uint blocks[]; }; // with a rim of one block all round
+layout(std430, binding = 10) readonly buffer Blocks { uint blocks[]; }; // of the list's grid
 layout(location = 0) uniform uint pixel_slots;
 
 // Interleaves the lowest three bits of x and y.
@@ -16,10 +16,11 @@ uint morton(uvec2 p) {
     return spread.x | (spread.y << 1);
 }
 
-// pixel: relative to the rim's first pixel.
+// pixel: relative to the list's first pixel. Of a square of 16 pixels the first block holds the sample.
 uint block_of(ivec2 pixel) {
     ivec2 block = pixel >> 3;
-    return blocks[block.y * (frame.chunk.z + 2) + block.x];
+    uint word = blocks[block.y * frame.list.z + block.x];
+    return GW_BLOCK_RATE(word) < 4u ? word : blocks[(block.y & ~1) * frame.list.z + (block.x & ~1)];
 }
 
 // The sample, or the mean of the rays of a pixel.
@@ -42,7 +43,7 @@ void main() {
     uint block = slot >> 6, lane = slot & 63u, per_row = uint(frame.chunk.z);
     ivec2 within = ivec2((lane & 1u) | ((lane >> 1) & 2u) | ((lane >> 2) & 4u),
                          ((lane >> 1) & 1u) | ((lane >> 2) & 2u) | ((lane >> 3) & 4u));
-    ivec2 pixel = 8 * ivec2(block % per_row + 1u, block / per_row + 1u) + within;
+    ivec2 pixel = frame.chunk.xy - frame.list.xy + 8 * ivec2(block % per_row, block / per_row) + within;
     int rate = int(GW_BLOCK_RATE(block_of(pixel)));
     int side = 1 << rate;
     // The grid point up and left of the pixel's centre, and how far between it and the next the pixel lies.

@@ -34,6 +34,7 @@ GW_VEC4(background); // linear radiance; w: least_remainder
 GW_VEC4(ambient);    // linear irradiance; w: fold_agreement
 GW_IVEC4(window);    // rectangle: x and y of its first pixel, x and y past its last
 GW_IVEC4(chunk);     // first block's x and y (pixels, multiples of 8), blocks per row, number of blocks
+GW_IVEC4(list);      // grid of blocks that samples are listed for, chunk and rim: as chunk, x and y multiples of 16
 GW_UVEC4(counts);    // viewers, directional lights, point lights, rays of a sharp pixel
 GW_UVEC4(level_begin[4]); // first node of each octree level, 16 entries; unused ones are 0xffffffff
 GW_VEC4(sample_places[8]); // of up to 16 rays in their pixel, from its centre, px: xy of an even one, zw of an odd one
@@ -66,12 +67,23 @@ GW_STRUCT_END(gw_gpu_light)
 // First word of a triangle's first fourth component, in the renderer's copy.
 #define GW_TRIANGLE_ALPHA 1u // its material masks or blends: what it covers is decided where it is hit
 
-// Sparse samples (render/sparse.h). A sample: pixel relative to the rim of the chunk, x in bits 0-12, y in 13-25; log2 of its
-// side in bits 26-27; which of its pixel's rays it is in bits 28-31. A block of 8 x 8 pixels: slot of its first sample in bits
-// 0-29, log2 of their side in bits 30-31; a block's samples stand in Morton order, the rays of one pixel together.
+// Sparse samples (shaders/sample). A sample: pixel relative to the list's first, x in bits 0-11, y in 12-23; log2 of its side in
+// bits 24-26; which of its pixel's rays it is in bits 27-30. A block of 8 x 8 pixels: slot of its first sample in bits 0-27, log2
+// of their side in bits 28-30, bit 31: its pixels blend samples of blocks beside it. A block's samples stand in Morton order, the
+// rays of one pixel together. A square of 16 pixels is a sample of its first block; the other three blocks have none.
 #define GW_NO_SAMPLE 0xffffffffu
-#define GW_BLOCK_FIRST(word) ((word) & 0x3fffffffu)
-#define GW_BLOCK_RATE(word) ((word) >> 30)
+#define GW_SAMPLE_X(word) ((word) & 0xfffu)
+#define GW_SAMPLE_Y(word) (((word) >> 12) & 0xfffu)
+#define GW_SAMPLE_RATE(word) (((word) >> 24) & 7u)
+#define GW_SAMPLE_WHICH(word) (((word) >> 27) & 0xfu)
+#define GW_BLOCK_FIRST(word) ((word) & 0x0fffffffu)
+#define GW_BLOCK_RATE(word) (((word) >> 28) & 7u)
+#define GW_BLOCK_REACHES 0x80000000u
+// Blocks of the list's grid that are scanned by one work group stand in squares of 8 x 8; the grid is whole squares.
+#define GW_LIST_SQUARE 8
+// Words that the list leaves behind: samples, groups of 64 of them, blocks of the chunk with fewer rays than pixels, 0; from
+// GW_LIST_ARGUMENTS on, 4 words a batch: the arguments of its dispatch.
+#define GW_LIST_ARGUMENTS 4u
 
 // What one ray met, 3 words: triangle id, or node index with GW_FRAGMENT_VOXEL; t; weight 0..1.
 #define GW_FRAGMENT_VOXEL 0x80000000u

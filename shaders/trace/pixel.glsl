@@ -1,7 +1,6 @@
 // Primary rays. A ray is a function of the plane and the wall-global pixel only: the same bits in whatever rectangle and
 // dispatch it is traced. Blocks of 8 x 8 pixels stand at wall-global multiples of 8; lanes run in Morton order.
-// With SPARSE a ray may stand for a square of 2, 4 or 8 pixels a side, or for a part of a pixel (render/sparse.h), as the host
-// lists it.
+// With SPARSE a ray may stand for a square of 2 to 16 pixels a side, or for a part of a pixel, as shaders/sample lists it.
 #include "common/small_math.glsl"
 #ifdef GAZE
 #include "trace/gaze.glsl"
@@ -42,12 +41,11 @@ bool in_window(ivec2 pixel) {
 Pixel_square square_of_slot(uint slot) {
 #ifdef SPARSE
     uint word = samples[slot];
-    uint side_bits = (word >> 26) & 3u;
-    uint which = side_bits == 0u ? word >> 28 : 0u;
+    uint rate = GW_SAMPLE_RATE(word);
+    uint which = rate == 0u ? GW_SAMPLE_WHICH(word) : 0u;
     vec4 places = frame.sample_places[which >> 1];
-    return Pixel_square(frame.chunk.xy - 8 + ivec2(word & 0x1fffu, (word >> 13) & 0x1fffu), 1 << side_bits,
-                        word != GW_NO_SAMPLE,
-                        side_bits != 0u ? vec2(0.0) : (which & 1u) == 0u ? places.xy : places.zw);
+    return Pixel_square(frame.list.xy + ivec2(GW_SAMPLE_X(word), GW_SAMPLE_Y(word)), 1 << (rate & 7u),
+                        word != GW_NO_SAMPLE, rate != 0u ? vec2(0.0) : (which & 1u) == 0u ? places.xy : places.zw);
 #else
     ivec2 pixel = pixel_of_slot(slot);
     return Pixel_square(pixel, 1, in_window(pixel));

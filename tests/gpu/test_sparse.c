@@ -5,8 +5,8 @@
 #include "base/srgb.h"
 #include "build/demo_scene.h"
 #include "render/features.h"
-#include "render/sparse.h"
 #include "tests/support/renders.h"
+#include "tests/support/sample_lists.h"
 
 #include <math.h>
 
@@ -52,24 +52,69 @@ static uint8_t *picture(const gw_camera *from, gw_renderer *by, gw_counters *cou
     return rgba;
 }
 
-/* 1 at the gaze, never finer farther out along a row, up to the cap; 1 everywhere without a gaze. */
+static gw_sample_list list_of(const gw_camera *from, gw_rectangle rectangle) {
+    return gw_sample_list_take(from, renderer, rectangle);
+}
+
+static const gw_rectangle whole_square = {0, 0, SIDE, SIDE};
+
+/* 1 at the gaze, never finer farther out along a row, up to the cap. */
 static void rates_fall_with_eccentricity(void **state) {
-    gw_frame_block block = block_of(&camera);
-    uint32_t last = 0;
+    static const uint32_t reached[] = {0, 1, 2, 3, 4};
     (void)state;
-    assert_int_equal(gw_sparse_rate(&block, 30 / 8, 40 / 8, 3), 0);
-    for (int32_t x = 30 / 8; x < 40; ++x) {
-        uint32_t rate = gw_sparse_rate(&block, x, 40 / 8, 3);
-        assert_true(rate >= last);
-        last = rate;
-        for (uint32_t most = 0; most < 3; ++most)
-            assert_int_equal(gw_sparse_rate(&block, x, 40 / 8, most), rate < most ? rate : most);
+    for (uint8_t most = 0; most < 5; ++most) {
+        gw_camera wide = camera;
+        uint32_t last = 0;
+        wide.state.sample_block = most;
+        wide.state.samples = 1; /* so that the cap of a pixel makes a list, too */
+        gw_sample_list list = list_of(&wide, (gw_rectangle){0, 0, 40 * 8, SIDE});
+        assert_int_equal(GW_BLOCK_RATE(gw_sample_list_block(&list, 30 / 8, 40 / 8)), 0);
+        for (int x = 30 / 8; x < 40; ++x) {
+            uint32_t rate = GW_BLOCK_RATE(gw_sample_list_block(&list, x, 40 / 8));
+            assert_true(rate >= last);
+            last = rate;
+        }
+        assert_int_equal(last, reached[most]);
+        gw_sample_list_finish(&list);
     }
-    assert_int_equal(last, 3);
-    gw_camera blind = camera;
-    blind.state.gaze_count = 0;
-    block = block_of(&blind);
-    assert_int_equal(gw_sparse_rate(&block, 100, 5, 3), 0);
+}
+
+/* As the same rule in double, but for blocks within rounding of a threshold. */
+static void check_rates(const gw_camera *from, size_t *compared, size_t *borderline) {
+    gw_sample_list list = list_of(from, (gw_rectangle){-77, 13, 800, 600});
+    for (int i = 0; i < list.block.list[3]; ++i) {
+        int x = list.block.list[0] / 8 + i % list.block.list[2], near = 0;
+        int y = list.block.list[1] / 8 + i / list.block.list[2];
+        uint32_t wanted = gw_sample_rate(&list.block, x, y, from->state.sample_block, &near);
+        uint32_t got = GW_BLOCK_RATE(list.blocks[i]);
+        *compared += 1;
+        if (near) {
+            *borderline += 1;
+            assert_true(abs((int)got - (int)wanted) <= 1);
+        } else {
+            assert_int_equal(got, wanted);
+        }
+    }
+    gw_sample_list_finish(&list);
+}
+
+static void rates_are_those_of_the_rule_in_double(void **state) {
+    gw_camera two = camera, second = camera, wide = camera;
+    size_t compared = 0, borderline = 0;
+    (void)state;
+    gw_camera_gaze(&second, 700, 290, 2.0);
+    two.state.gazes[1] = second.state.gazes[0];
+    two.state.gazes[1].half_width = 9;
+    two.state.gaze_count = 2;
+    check_rates(&camera, &compared, &borderline);
+    check_rates(&two, &compared, &borderline);
+    wide.state.sample_block = 4;
+    check_rates(&wide, &compared, &borderline);
+    two.state.sample_block = 4;
+    two.plane.step_x[2] = two.plane.step_x[0]; /* turned away: pixels are narrower than high */
+    check_rates(&two, &compared, &borderline);
+    print_message("# %zu of %zu blocks within 1e-4 of a threshold\n", borderline, compared);
+    assert_true(borderline < compared / 100);
 }
 
 /* The sharper of two viewers decides. */
@@ -79,66 +124,81 @@ static void every_viewer_counts(void **state) {
     gw_camera_gaze(&second, 100, 90, 5.0);
     two.state.gazes[1] = second.state.gazes[0];
     two.state.gaze_count = 2;
-    gw_frame_block both = block_of(&two), first = block_of(&camera), other = block_of(&second);
-    for (int32_t y = 0; y < 15; ++y)
-        for (int32_t x = 0; x < 15; ++x) {
-            uint32_t a = gw_sparse_rate(&first, x, y, 3), b = gw_sparse_rate(&other, x, y, 3);
-            assert_int_equal(gw_sparse_rate(&both, x, y, 3), a < b ? a : b);
-        }
+    gw_sample_list both = list_of(&two, whole_square), first = list_of(&camera, whole_square),
+                   other = list_of(&second, whole_square);
+    for (int i = 0; i < both.block.list[3]; ++i) {
+        uint32_t a = GW_BLOCK_RATE(first.blocks[i]), b = GW_BLOCK_RATE(other.blocks[i]);
+        assert_int_equal(GW_BLOCK_RATE(both.blocks[i]), a < b ? a : b);
+    }
+    gw_sample_list_finish(&both);
+    gw_sample_list_finish(&first);
+    gw_sample_list_finish(&other);
 }
 
-static uint32_t rate_at(const gw_sparse *sparse, int columns, int i, int j) {
-    return GW_BLOCK_RATE(sparse->blocks[j * (columns + 2) + i]);
+static int in_chunk(const gw_sample_list *list, int column, int row) {
+    const int32_t *chunk = list->block.chunk, *grid = list->block.list;
+    column -= (chunk[0] - grid[0]) / 8;
+    row -= (chunk[1] - grid[1]) / 8;
+    return column >= 0 && row >= 0 && column < chunk[2] && row < chunk[3] / chunk[2];
 }
 
-/* Some block of the chunk beside block (i, j) of the rim is coarse, so its pixels reach over the border. */
-static int has_coarse_neighbour(const gw_sparse *sparse, int columns, int rows, int i, int j) {
-    for (int v = j - 1; v <= j + 1; ++v)
-        for (int u = i - 1; u <= i + 1; ++u)
-            if (u >= 1 && v >= 1 && u <= columns && v <= rows && rate_at(sparse, columns, u, v) > 0)
+/* Some block of the chunk has pixels that read the block at a column and row of the grid. */
+static int is_read(const gw_sample_list *list, int column, int row) {
+    for (int v = row - 2; v <= row + 2; ++v)
+        for (int u = column - 2; u <= column + 2; ++u) {
+            if (!in_chunk(list, u, v))
+                continue;
+            uint32_t rate = GW_BLOCK_RATE(list->blocks[v * list->block.list[2] + u]);
+            int reach = rate == 4 ? 2 : rate > 0 ? 1 : 0;
+            if (abs(u - column) <= reach && abs(v - row) <= reach)
                 return 1;
+        }
     return 0;
 }
 
 /* Every pixel of the chunk lies in exactly one sample's square, as do those of the rim that are read; blocks
  * point at their own samples. */
-static void lists_cover_every_pixel_once(void **state) {
-    enum { COLUMNS = 9, ROWS = 7, WIDE = (COLUMNS + 2) * 8, HIGH = (ROWS + 2) * 8 };
-    static uint8_t covered[HIGH][WIDE];
-    gw_sparse sparse = {0};
-    gw_frame_block block = block_of(&camera);
-    (void)state;
-    check_ok(gw_sparse_list(&sparse, &block, 3, -2, COLUMNS, ROWS, 3, &error));
-    assert_int_equal(sparse.block_count, (COLUMNS + 2) * (ROWS + 2));
-    assert_int_equal(sparse.sample_count % 64, 0);
-    for (size_t i = 0; i < sparse.sample_count; ++i) {
-        uint32_t word = sparse.samples[i], side = 1u << (word >> 26 & 3u);
-        if (word == GW_NO_SAMPLE) {
-            assert_true(i >= sparse.real_samples);
-            continue;
-        }
-        for (uint32_t y = 0; y < side; ++y)
+static void check_cover(uint8_t most) {
+    enum { MOST_WIDE = 256, MOST_HIGH = 256 };
+    static uint8_t covered[MOST_HIGH][MOST_WIDE];
+    gw_camera from = camera;
+    from.state.sample_block = most;
+    gw_sample_list list = list_of(&from, (gw_rectangle){24, -16, 9 * 8, 7 * 8});
+    const int32_t columns = list.block.list[2], rows = list.block.list[3] / columns;
+    assert_true(columns * 8 <= MOST_WIDE && rows * 8 <= MOST_HIGH && list.coarse > 0);
+    memset(covered, 0, sizeof covered);
+    for (size_t i = 0; i < (size_t)list.groups * 64; ++i) {
+        uint32_t word = list.samples[i], side = 1u << GW_SAMPLE_RATE(word);
+        assert_int_equal(word == GW_NO_SAMPLE, i >= list.total);
+        for (uint32_t y = 0; y < side && word != GW_NO_SAMPLE; ++y)
             for (uint32_t x = 0; x < side; ++x)
-                covered[(word >> 13 & 0x1fffu) + y][(word & 0x1fffu) + x]++;
+                covered[GW_SAMPLE_Y(word) + y][GW_SAMPLE_X(word) + x]++;
     }
-    size_t read = 0;
-    for (size_t b = 0; b < sparse.block_count; ++b) {
-        int i = (int)(b % (COLUMNS + 2)), j = (int)(b / (COLUMNS + 2));
-        int inside = i >= 1 && j >= 1 && i <= COLUMNS && j <= ROWS;
-        int wanted = inside || has_coarse_neighbour(&sparse, COLUMNS, ROWS, i, j);
+    for (int b = 0; b < columns * rows; ++b) {
+        int column = b % columns, row = b / columns, wanted = is_read(&list, column, row);
+        uint32_t rate = GW_BLOCK_RATE(list.blocks[b]), owner = list.blocks[b];
+        if (rate == 4) { /* the whole square is sampled where one of its blocks is read */
+            owner = list.blocks[(row & ~1) * columns + (column & ~1)];
+            for (int i = 0; i < 4; ++i)
+                wanted |= is_read(&list, (column & ~1) + (i & 1), (row & ~1) + (i >> 1));
+        }
         for (int y = 0; y < 8; ++y)
             for (int x = 0; x < 8; ++x)
-                assert_int_equal(covered[j * 8 + y][i * 8 + x], wanted);
-        read += (size_t)wanted;
+                assert_int_equal(covered[row * 8 + y][column * 8 + x], wanted);
         if (!wanted)
             continue;
-        uint32_t word = sparse.samples[GW_BLOCK_FIRST(sparse.blocks[b])];
-        assert_int_equal((word & 0x1fffu) / 8, b % (COLUMNS + 2));
-        assert_int_equal((word >> 13 & 0x1fffu) / 8, b / (COLUMNS + 2));
-        assert_int_equal(word >> 26 & 3u, GW_BLOCK_RATE(sparse.blocks[b]));
+        uint32_t word = list.samples[GW_BLOCK_FIRST(owner)];
+        assert_int_equal(GW_SAMPLE_X(word), rate == 4 ? column * 8 & ~15 : column * 8);
+        assert_int_equal(GW_SAMPLE_Y(word), rate == 4 ? row * 8 & ~15 : row * 8);
+        assert_int_equal(GW_SAMPLE_RATE(word), rate);
     }
-    assert_true(read > COLUMNS * ROWS && read < sparse.block_count);
-    gw_sparse_finish(&sparse);
+    gw_sample_list_finish(&list);
+}
+
+static void lists_cover_every_pixel_once(void **state) {
+    (void)state;
+    check_cover(3);
+    check_cover(4);
 }
 
 /* Whole and in uneven pieces: the same bits, rims and all. */
@@ -167,12 +227,15 @@ static void splits_give_the_same_pixels(void **state) {
     check_splits(&camera);
     several.state.samples = 2;
     check_splits(&several);
+    several.state.samples = 0;
+    several.state.sample_block = 4;
+    check_splits(&several);
 }
 
 /* The same view with four times the pixels, 16 rays each: the mean of 64 rays for each pixel of `from`. */
 static double *reference_of(const gw_camera *from) {
     gw_camera fine = *from;
-    const gw_rectangle all = {0, 0, 2 * SIDE, 2 * SIDE};
+    const gw_rectangle whole = {0, 0, 2 * SIDE, 2 * SIDE};
     uint8_t *rgba = calloc(4 * PIXELS, 4);
     double *mean = calloc((size_t)PIXELS * 3, sizeof *mean);
     assert_true(rgba && mean);
@@ -182,7 +245,7 @@ static double *reference_of(const gw_camera *from) {
     }
     fine.state.samples = 4;
     check_ok(
-        gw_renderer_frame(renderer, &fine.placement, &fine.plane, &all, &fine.state, rgba, NULL, &error));
+        gw_renderer_frame(renderer, &fine.placement, &fine.plane, &whole, &fine.state, rgba, NULL, &error));
     for (size_t y = 0; y < 2 * SIDE; ++y)
         for (size_t x = 0; x < 2 * SIDE; ++x)
             for (size_t c = 0; c < 3; ++c)
@@ -240,7 +303,7 @@ static void coarse_blocks_stay_as_they_are(void **state) {
             int sharp_near = 0;
             for (int j = -1; j <= 1; ++j)
                 for (int i = -1; i <= 1; ++i)
-                    sharp_near |= gw_sparse_rate(&block, x / 8 + i, y / 8 + j, 3) == 0;
+                    sharp_near |= gw_sample_rate(&block, x / 8 + i, y / 8 + j, 3, NULL) == 0;
             size_t at = ((size_t)y * SIDE + (size_t)x) * 4;
             if (sharp_near)
                 continue;
@@ -281,14 +344,14 @@ static void maps_show_where_it_is_sharp(void **state) {
 /* A tile of one block's width and more rows than a sample's word could count. */
 static void a_tall_tile_is_drawn_in_pieces(void **state) {
     enum { TALL = 9000, FROM = 8400 };
-    const gw_rectangle all = {0, 0, 8, TALL}, end = {0, FROM, 8, TALL - FROM};
+    const gw_rectangle column = {0, 0, 8, TALL}, end = {0, FROM, 8, TALL - FROM};
     uint8_t *whole = calloc(8 * TALL, 4), *piece = calloc(8 * (TALL - FROM), 4);
     gw_camera tall = camera;
     (void)state;
     assert_true(whole && piece);
     tall.state.samples = 1;
     check_ok(
-        gw_renderer_frame(renderer, &tall.placement, &tall.plane, &all, &tall.state, whole, NULL, &error));
+        gw_renderer_frame(renderer, &tall.placement, &tall.plane, &column, &tall.state, whole, NULL, &error));
     check_ok(
         gw_renderer_frame(renderer, &tall.placement, &tall.plane, &end, &tall.state, piece, NULL, &error));
     assert_memory_equal(whole + (size_t)8 * FROM * 4, piece, (size_t)8 * (TALL - FROM) * 4);
@@ -309,7 +372,7 @@ static void sharp_blocks_are_those_of_the_full_picture(void **state) {
     for (int y = 0; y < SIDE; ++y)
         for (int x = 0; x < SIDE; ++x) {
             size_t at = ((size_t)y * SIDE + (size_t)x) * 4;
-            if (gw_sparse_rate(&block, x / 8, y / 8, 3) > 0)
+            if (gw_sample_rate(&block, x / 8, y / 8, 3, NULL) > 0)
                 continue;
             assert_memory_equal(sparse + at, dense + at, 4);
             sharp++;
@@ -343,6 +406,7 @@ static void forced_without_need_changes_nothing(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rates_fall_with_eccentricity),
+        cmocka_unit_test(rates_are_those_of_the_rule_in_double),
         cmocka_unit_test(every_viewer_counts),
         cmocka_unit_test(lists_cover_every_pixel_once),
         cmocka_unit_test(splits_give_the_same_pixels),

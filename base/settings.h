@@ -68,6 +68,8 @@
            "1 (a ray per pixel)", "largest square of pixels that shares one ray where the viewer cannot tell")          \
     GW_ROW(samples, CHOICE, 0, 0, 4, "1|2|4|8|16", FRAME, "rays", "jagged and shimmering edges against rays", "16",  \
            "rays of a pixel where the viewer sees it sharp, at fixed places in it")                                    \
+    GW_ROW(accumulate, INTEGER, 1, 1, 256, "", FRAME, "samples", "jagged and shimmering edges against rays", "256",      \
+           "samples of a still view that are added up, one a frame; 1: every frame stands for itself")                 \
     GW_ROW(level_blend, SWITCH, 1, 0, 1, "", FRAME, "", "visible level steps against cost", "on",                      \
            "blend a voxel with its children where the footprint lies between two levels")                              \
     GW_ROW(leaf_blend, SWITCH, 1, 0, 1, "", FRAME, "", "visible triangle-to-voxel steps against cost", "on",           \

@@ -18,6 +18,7 @@ const gw_feature_row gw_feature_rows[] = {
     {GW_FEATURE_SPARSE, "sparse-samples", "SPARSE",
      "samples is 1, and no gaze is known or sample_block is 1: a ray per pixel"},
     {GW_FEATURE_DENSE_LEAVES, "dense-leaves", "DENSE_LEAVES", "no leaf has more than dense_leaf triangles"},
+    {GW_FEATURE_ACCUMULATE, "accumulation", "ACCUMULATE", "accumulate is 1: every frame stands for itself"},
 };
 const size_t gw_feature_count = sizeof gw_feature_rows / sizeof gw_feature_rows[0];
 
@@ -75,6 +76,8 @@ uint32_t gw_features_of_frame(const gw_frame_state *state, uint32_t viewers, uin
         bits |= GW_FEATURE_GAZE;
     if ((viewers > 0 && state->sample_block > 0) || state->samples > 0)
         bits |= GW_FEATURE_SPARSE;
+    if (state->accumulate > 1 || state->epoch > 0)
+        bits |= GW_FEATURE_ACCUMULATE;
     return bits;
 }
 

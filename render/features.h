@@ -21,15 +21,16 @@ typedef enum gw_feature {
     GW_FEATURE_ALPHA = 1 << 4, /* masks and blending */
     GW_FEATURE_DIRECTIONAL_LIGHTS = 1 << 5,
     GW_FEATURE_POINT_LIGHTS = 1 << 6,
-    GW_FEATURE_LOD = 1 << 7,          /* voxels beside triangles */
-    GW_FEATURE_GAZE = 1 << 8,         /* footprints that depend on where viewers look */
-    GW_FEATURE_WIDE_NODES = 1 << 9,   /* more than 2^24 octree nodes */
-    GW_FEATURE_SPARSE = 1 << 10,      /* fewer rays than pixels where viewers cannot tell */
-    GW_FEATURE_DENSE_LEAVES = 1 << 11 /* lists under boxes */
+    GW_FEATURE_LOD = 1 << 7,           /* voxels beside triangles */
+    GW_FEATURE_GAZE = 1 << 8,          /* footprints that depend on where viewers look */
+    GW_FEATURE_WIDE_NODES = 1 << 9,    /* more than 2^24 octree nodes */
+    GW_FEATURE_SPARSE = 1 << 10,       /* fewer rays than pixels where viewers cannot tell */
+    GW_FEATURE_DENSE_LEAVES = 1 << 11, /* lists under boxes */
+    GW_FEATURE_ACCUMULATE = 1 << 12    /* samples of a still view add up */
 } gw_feature;
 
 /* What frames decide, not the scene. */
-enum { GW_FRAME_FEATURES = GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_SPARSE };
+enum { GW_FRAME_FEATURES = GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_SPARSE | GW_FEATURE_ACCUMULATE };
 
 typedef struct gw_feature_row {
     uint32_t bit;

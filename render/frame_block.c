@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-_Static_assert(sizeof(gw_frame_block) == 16 * (24 + 4 * GW_MAXIMUM_VIEWERS), "std140 rows without holes");
+_Static_assert(sizeof(gw_frame_block) == 16 * (25 + 4 * GW_MAXIMUM_VIEWERS), "std140 rows without holes");
 
 /* Smallest resolvable period at the centre of gaze, degrees (60 cycles per degree would be 1/60; 1/48 is the
  * value of Guenter et al., Foveated 3D Graphics, 2012). */
@@ -118,12 +118,28 @@ static const int8_t places_of_samples[][16][2] = {
      {6, 7},
      {-7, -8}}};
 
-static void fill_samples(const gw_frame_state *state, gw_frame_block *block) {
-    uint32_t log2_samples = state->samples < 4 ? state->samples : 4, samples = 1u << log2_samples;
+/* x brought into [-1/2, 1/2) by whole numbers. */
+static double wrapped(double x) {
+    return x - floor(x + 0.5);
+}
+
+void gw_frame_block_set_sample(const gw_frame_state *state, uint32_t number, gw_frame_block *block) {
+    /* Powers of 1 / g, g the positive root of g^3 = g + 1: multiples of them, modulo 1, fill the square
+     * evenly however many are taken (Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018).
+     */
+    static const double strides[2] = {0.7548776662466927, 0.5698402909980532};
+    const uint32_t log2_samples = state->samples < 4 ? state->samples : 4, samples = 1u << log2_samples;
+    double moved[2];
+    for (int axis = 0; axis < 2; ++axis) {
+        moved[axis] = wrapped(strides[axis] * number);
+        block->accumulation[axis] = (float)moved[axis];
+    }
+    block->accumulation[2] = (float)(1.0 / (number + 1));
+    block->accumulation[3] = number > 0 ? 1.0f : 0.0f;
     for (uint32_t i = 0; i < samples; ++i)
         for (uint32_t axis = 0; axis < 2; ++axis)
             block->sample_places[i / 2][i % 2 * 2 + axis] =
-                (float)places_of_samples[log2_samples][i][axis] / 16.0f;
+                (float)wrapped(places_of_samples[log2_samples][i][axis] / 16.0 + moved[axis]);
     block->counts[3] = samples;
     block->corner[3] = (float)sqrt(1.0 / samples);
 }
@@ -178,7 +194,7 @@ gw_code gw_frame_block_fill(const gw_scene *scene, const gw_octree *octree, cons
     block->background[3] = state->least_remainder;
     block->step_y[3] = state->separated_tau;
     block->acuity[1] = (float)smallest_period;
-    fill_samples(state, block);
+    gw_frame_block_set_sample(state, 0, block);
     uint32_t gazes = state->gaze_count < GW_MAXIMUM_VIEWERS ? state->gaze_count : GW_MAXIMUM_VIEWERS;
     uint32_t kept = 0;
     for (uint32_t i = 0; i < gazes; ++i)

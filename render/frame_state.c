@@ -22,4 +22,24 @@ void gw_frame_state_apply(gw_frame_state *state, const gw_settings *settings) {
     state->sample_block = (uint8_t)settings->sample_block;
     state->samples = (uint8_t)settings->samples;
     state->triangle_precision = (uint8_t)settings->triangle_precision;
+    state->accumulate = (uint16_t)settings->accumulate;
+}
+
+gw_frame_state gw_frame_state_view(const gw_frame_state *state, int scene_moves) {
+    gw_frame_state view = *state;
+    view.frame = view.epoch = 0;
+    view.accumulate = 0;
+    if (!scene_moves)
+        view.time = 0;
+    for (uint32_t i = 0; i < GW_MAXIMUM_VIEWERS; ++i) {
+        gw_gaze *gaze = &view.gazes[i];
+        /* It widens the ellipse by nothing at first and by no more in the end (render/frame_block.c). */
+        const double late = (double)gaze->age - (double)view.gaze_latency;
+        if (late <= 0.0)
+            gaze->age = 0.0f;
+        else if ((double)view.gaze_growth * late >= (double)view.gaze_growth_limit)
+            gaze->age = 1e9f;
+        gaze->confidence = gaze->confidence > 0.0f ? 1.0f : 0.0f;
+    }
+    return view;
 }

@@ -7,6 +7,7 @@
 #include "base/settings.h"
 #include "build/gpu_types.h"
 
+#include <stddef.h>
 #include <stdint.h>
 
 /* One viewer's gaze in wall space (mm). */
@@ -33,7 +34,15 @@ typedef struct gw_frame_state {
     uint8_t sample_block; /* log2 of the side of the largest sample block, 0..4 */
     uint8_t samples;      /* log2 of the rays of a sharp pixel, 0..4 */
     uint32_t seed;
+    /* Accumulation of a still view: pixels are the mean, in linear light, of samples 0 to accumulate - 1 (0
+     * counts as 1). epoch numbers the still views from 1; 0: no further sample of this view will be asked
+     * for, so nothing is kept for one. */
+    uint32_t epoch;
+    uint16_t accumulate;
+    uint16_t reserved; /* 0 */
 } gw_frame_state;
+_Static_assert(offsetof(gw_frame_state, reserved) + sizeof(uint16_t) == sizeof(gw_frame_state),
+               "no holes, so that states can be compared as bytes");
 _Static_assert(sizeof(gw_frame_state) < 512, "the frame state travels in one small message");
 
 typedef enum gw_debug_view {
@@ -51,7 +60,14 @@ typedef enum gw_debug_view {
     GW_DEBUG_VIEWS
 } gw_debug_view;
 
-/* Copies the FRAME settings into the state. */
+enum { GW_MAXIMUM_ACCUMULATION = 256 };
+
+/* Copies the FRAME settings into the state; accumulate is the number of samples to draw at once. */
 void gw_frame_state_apply(gw_frame_state *state, const gw_settings *settings);
+
+/* What the samples of a frame depend on, in one form: two states with equal bytes of it show the same view,
+ * to the bit. Without what only names the frame (number, epoch, accumulate), without the time unless the
+ * scene moves, and of the gaze's age and confidence only what changes pixels. */
+gw_frame_state gw_frame_state_view(const gw_frame_state *state, int scene_moves);
 
 #endif

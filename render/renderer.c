@@ -75,6 +75,7 @@ void gw_renderer_destroy(gw_renderer **renderer) {
     gw_gl_buffer_finish(&r->given_rays);
     gw_gl_buffer_finish(&r->found_hits);
     gw_sample_buffers_finish(&r->samples);
+    gw_accumulation_finish(&r->accumulation);
     free(r->host_pixels);
     free(r);
     *renderer = NULL;
@@ -236,7 +237,8 @@ gw_renderer_parts gw_renderer_parts_of(const gw_renderer *renderer) {
         .rays = renderer->totals.size + renderer->frame.size + renderer->given_rays.size +
                 renderer->found_hits.size + rays->fragments.size + rays->statuses.size + rays->states.size +
                 rays->queues[0].size + rays->queues[1].size + rays->work.size + rays->sums.size +
-                rays->pixels.size + gw_sample_buffers_bytes(&renderer->samples)};
+                rays->pixels.size + gw_sample_buffers_bytes(&renderer->samples) +
+                gw_accumulation_bytes(&renderer->accumulation)};
 }
 
 uint64_t gw_renderer_bytes(const gw_renderer *renderer) {

@@ -56,7 +56,7 @@ gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement,
                           gw_counters *counters, gw_error *error);
 
 /* Adds to *rays how many primary rays such a frame traces, rims included, without tracing them. Where every
- * pixel has one ray that is the rectangle's pixels. */
+ * pixel has one ray that is the rectangle's pixels. With accumulation: if nothing is kept of the view. */
 gw_code gw_renderer_count_rays(gw_renderer *renderer, const gw_similarity *placement, const gw_plane *plane,
                                const gw_rectangle *rectangle, const gw_frame_state *state, uint64_t *rays,
                                gw_error *error);

@@ -14,6 +14,8 @@ gw_code gw_frame_kernels(gw_frame_job *job, int resume, gw_error *error) {
     trace.debug = GW_DEBUG_NONE;
     trace.resume = shade.resume = resume;
     shade.features &= ~walk_features;
+    if (shade.features & GW_FEATURE_SPARSE)
+        shade.features &= ~(uint32_t)GW_FEATURE_ACCUMULATE; /* pixels are made by blend/reconstruct.comp */
     shade.loop_budget = 0;
     shade.voxels_only = shade.level_blend = shade.leaf_blend = shade.double_edges = 0;
     gw_code code = gw_renderer_kernel(job->renderer, "trace/primary.comp", &trace, NULL, &job->trace, error);

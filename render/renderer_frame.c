@@ -99,10 +99,16 @@ static gw_code render_chunk(gw_frame_job *job, size_t block_count, gw_error *err
     gw_renderer *renderer = job->renderer;
     const int sparse = (job->key.features & GW_FEATURE_SPARSE) != 0;
     size_t pixel_slots = block_count * GW_BLOCK_PIXELS;
-    gw_code code = sparse ? gw_frame_samples(job, block_count, error)
-                          : gw_gl_buffer_write(&renderer->frame, 0, sizeof job->block, &job->block, error);
-    if (!code && !sparse)
-        code = render_pixels(job, pixel_slots, error);
+    gw_code code = sparse ? gw_frame_list_samples(job, error) : GW_OK;
+    if (!code && (job->key.features & GW_FEATURE_ACCUMULATE))
+        code = gw_accumulation_bind(renderer, job->chunk, pixel_slots, error);
+    for (uint32_t i = job->first_sample; !code && i < job->end_sample; ++i) {
+        gw_frame_block_set_sample(job->state, i, &job->block);
+        code = gw_gl_buffer_write(&renderer->frame, 0, sizeof job->block, &job->block, error);
+        if (!code)
+            code =
+                sparse ? gw_frame_samples(job, pixel_slots, error) : render_pixels(job, pixel_slots, error);
+    }
     if (!code)
         code = gw_grow((void **)&renderer->host_pixels, &renderer->host_pixel_capacity, pixel_slots,
                        sizeof(uint32_t), "pixels", error);
@@ -138,6 +144,7 @@ static gw_code visit_chunks(gw_frame_job *job, gw_chunk_visit visit, gw_error *e
             job->block.chunk[2] = (int32_t)wide;
             job->block.chunk[3] = (int32_t)(wide * high);
             code = visit(job, (size_t)(wide * high), error);
+            job->chunk++;
         }
     return code;
 }
@@ -193,17 +200,54 @@ static gw_code begin_frame(gw_frame_job *job, const gw_similarity *placement, co
     return GW_OK;
 }
 
+static uint32_t samples_of(const gw_frame_state *state) {
+    return state->accumulate > 0 ? state->accumulate : 1;
+}
+
+/* The samples that the view lacks, added to those that are kept of it. */
+static gw_code accumulate(gw_frame_job *job, const gw_similarity *placement, const gw_plane *plane,
+                          gw_error *error) {
+    gw_renderer *renderer = job->renderer;
+    gw_accumulation *kept = &renderer->accumulation;
+    const size_t bytes = (size_t)job->rectangle->width * job->rectangle->height * 4;
+    gw_accumulation_view view;
+    memset(&view, 0, sizeof view);
+    view.state = gw_frame_state_view(job->state, renderer->moving != NULL);
+    view.placement = *placement;
+    view.plane = *plane;
+    view.rectangle = *job->rectangle;
+    gw_code code = gw_accumulation_begin(kept, &view, job->end_sample, error);
+    if (code)
+        return code;
+    job->first_sample = kept->samples;
+    if (job->first_sample < job->end_sample) {
+        kept->samples = 0; /* until all chunks have the new ones */
+        code = visit_chunks(job, render_chunk, error);
+        if (code)
+            return code;
+        kept->samples = job->end_sample;
+        memcpy(kept->rgba, job->rgba, bytes);
+    }
+    memcpy(job->rgba, kept->rgba, bytes);
+    return GW_OK;
+}
+
 gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement, const gw_plane *plane,
                           const gw_rectangle *rectangle, const gw_frame_state *state, uint8_t *rgba,
                           gw_counters *counters, gw_error *error) {
-    gw_frame_job job = {.renderer = renderer, .rectangle = rectangle, .rgba = rgba};
+    gw_frame_job job = {.renderer = renderer,
+                        .rectangle = rectangle,
+                        .state = state,
+                        .end_sample = samples_of(state),
+                        .rgba = rgba};
     gw_code code = begin_frame(&job, placement, plane, state, error);
     if (code)
         return code;
     renderer->has_drawn = 1;
     renderer->last_features = gw_features_of_frame(state, job.block.counts[0], renderer->scene_features);
     gw_scene_buffers_bind(&renderer->buffers, state->texture_filter);
-    code = visit_chunks(&job, render_chunk, error);
+    code = job.key.features & GW_FEATURE_ACCUMULATE ? accumulate(&job, placement, plane, error)
+                                                    : visit_chunks(&job, render_chunk, error);
     if (code)
         return gw_context(error, "frame %u", state->frame);
     if (counters)
@@ -221,6 +265,6 @@ gw_code gw_renderer_count_rays(gw_renderer *renderer, const gw_similarity *place
     else if (!code)
         job.counters.rays = (uint64_t)rectangle->width * rectangle->height;
     if (!code)
-        *rays += job.counters.rays;
+        *rays += job.counters.rays * samples_of(state);
     return code;
 }

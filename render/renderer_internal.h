@@ -23,7 +23,8 @@ enum gw_binding {
     GW_BINDING_BLOCKS = 10,
     GW_BINDING_NODES = 11, /* these three with STORAGE_FETCH only */
     GW_BINDING_REFERENCES = 12,
-    GW_BINDING_TRIANGLES = 13
+    GW_BINDING_TRIANGLES = 13,
+    GW_BINDING_ACCUMULATED = 14 /* with ACCUMULATE only */
 };
 /* Of the kernels of shaders/sample, before a batch is traced. */
 enum gw_list_binding {
@@ -51,6 +52,25 @@ typedef struct gw_sample_buffers {
     gw_gl_buffer samples, blocks, sums, pixels;
 } gw_sample_buffers;
 
+/* What a still view's samples depend on besides scene and renderer. Compared as bytes: made of zeros first.
+ */
+typedef struct gw_accumulation_view {
+    gw_frame_state state; /* of gw_frame_state_view() */
+    gw_similarity placement;
+    gw_plane plane;
+    gw_rectangle rectangle;
+} gw_accumulation_view;
+
+/* The samples of the last view so far; exists only once a frame asked for it. */
+typedef struct gw_accumulation {
+    gw_accumulation_view view;
+    uint32_t samples;     /* that the sums and pixels hold */
+    gw_gl_buffer *chunks; /* sums of linear radiance, a buffer for each chunk of the rectangle */
+    size_t chunk_count, chunk_capacity;
+    uint8_t *rgba; /* the rectangle's pixels */
+    size_t rgba_capacity;
+} gw_accumulation;
+
 struct gw_renderer {
     gw_gl *device;
     const gw_scene *scene;   /* at `time`, if it moves */
@@ -70,6 +90,7 @@ struct gw_renderer {
     gw_sample_buffers samples;
     uint32_t *host_pixels; /* of one chunk */
     size_t host_pixel_capacity;
+    gw_accumulation accumulation;
 };
 
 /* Room for slots rays; fragment words, work and the pixel buffers only as asked. */
@@ -101,6 +122,9 @@ typedef struct gw_frame_job {
     size_t argument_offset;
     uint32_t sample_block; /* log2 of the side of the largest sample block */
     const gw_rectangle *rectangle;
+    const gw_frame_state *state;
+    uint32_t first_sample, end_sample; /* of a still view: those to be drawn; 0 and 1 without accumulation */
+    size_t chunk;                      /* number of the present one */
     uint8_t *rgba;
     gw_counters counters;
 } gw_frame_job;
@@ -111,12 +135,22 @@ gw_code gw_frame_dispatch(gw_frame_job *job, size_t slots, gw_error *error);
 gw_code gw_frame_resume(gw_frame_job *job, uint32_t queue_length, gw_error *error);
 /* renderer_frame.c: one batch of rays in slots from 0 on, also those that are suspended. */
 gw_code gw_frame_batch(gw_frame_job *job, size_t slots, gw_error *error);
-/* renderer_samples.c: the samples of the chunk of block_count blocks, listed, traced and made pixels, which
- * are in samples.pixels then. */
-gw_code gw_frame_samples(gw_frame_job *job, size_t block_count, gw_error *error);
+/* renderer_samples.c: the chunk's samples are listed, as often as needed traced, and made pixels, which are
+ * in samples.pixels then. */
+gw_code gw_frame_list_samples(gw_frame_job *job, gw_error *error);
+gw_code gw_frame_samples(gw_frame_job *job, size_t pixel_slots, gw_error *error);
 /* Only lists them, and adds to the job's rays how many there are. */
 gw_code gw_frame_count_samples(gw_frame_job *job, size_t block_count, gw_error *error);
 void gw_sample_buffers_finish(gw_sample_buffers *buffers);
 uint64_t gw_sample_buffers_bytes(const gw_sample_buffers *buffers);
+
+/* renderer_accumulate.c: a frame of this view that shows `samples` samples; what is kept of another view, or
+ * of more samples, is forgotten. */
+gw_code gw_accumulation_begin(gw_accumulation *kept, const gw_accumulation_view *view, uint32_t samples,
+                              gw_error *error);
+/* Binds the sums of a chunk. */
+gw_code gw_accumulation_bind(gw_renderer *renderer, size_t chunk, size_t pixel_slots, gw_error *error);
+uint64_t gw_accumulation_bytes(const gw_accumulation *kept); /* on the GPU */
+void gw_accumulation_finish(gw_accumulation *kept);
 
 #endif

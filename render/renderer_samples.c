@@ -103,8 +103,8 @@ static gw_code list_program(const gw_frame_job *job, const char *name, GLuint *o
     return gw_gl_program(job->renderer->device, name, defines, out, error);
 }
 
-/* Lists the chunk's samples; the frame block goes to the GPU with its grid. */
-static gw_code list_samples(gw_frame_job *job, gw_error *error) {
+/* The frame block goes to the GPU with the list's grid. */
+gw_code gw_frame_list_samples(gw_frame_job *job, gw_error *error) {
     gw_renderer *renderer = job->renderer;
     gw_gl *device = renderer->device;
     GLuint rates, count, offsets, scatter;
@@ -146,7 +146,7 @@ static gw_code read_list(const gw_frame_job *job, uint32_t words[GW_LIST_ARGUMEN
 gw_code gw_frame_count_samples(gw_frame_job *job, size_t block_count, gw_error *error) {
     uint32_t words[GW_LIST_ARGUMENTS] = {0};
     (void)block_count;
-    gw_code code = list_samples(job, error);
+    gw_code code = gw_frame_list_samples(job, error);
     if (!code)
         code = read_list(job, words, error);
     job->counters.rays += words[0];
@@ -198,11 +198,12 @@ static gw_code trace_batches(gw_frame_job *job, gw_error *error) {
 static gw_code reconstruct(gw_frame_job *job, size_t pixel_slots, gw_error *error) {
     gw_renderer *renderer = job->renderer;
     GLuint program;
+    const char *defines = job->key.features & GW_FEATURE_ACCUMULATE ? "#define ACCUMULATE 1\n" : NULL;
     gw_gl_buffer_bind(&renderer->samples.sums, GW_BINDING_SUMS);
     gw_code code = reserve(renderer, &renderer->samples.pixels, "pixels of samples",
                            pixel_slots * sizeof(uint32_t), GW_BINDING_PIXELS, error);
     if (!code)
-        code = gw_gl_program(renderer->device, "blend/reconstruct.comp", NULL, &program, error);
+        code = gw_gl_program(renderer->device, "blend/reconstruct.comp", defines, &program, error);
     if (code)
         return code;
     glProgramUniform1ui(program, 0, (GLuint)pixel_slots);
@@ -210,11 +211,7 @@ static gw_code reconstruct(gw_frame_job *job, size_t pixel_slots, gw_error *erro
                           error);
 }
 
-gw_code gw_frame_samples(gw_frame_job *job, size_t block_count, gw_error *error) {
-    gw_code code = list_samples(job, error);
-    if (!code)
-        code = trace_batches(job, error);
-    if (!code)
-        code = reconstruct(job, block_count * GW_BLOCK_PIXELS, error);
-    return code;
+gw_code gw_frame_samples(gw_frame_job *job, size_t pixel_slots, gw_error *error) {
+    gw_code code = trace_batches(job, error);
+    return code ? code : reconstruct(job, pixel_slots, error);
 }

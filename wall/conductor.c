@@ -81,7 +81,8 @@ static gw_code open_rows(gw_conductor *conductor, const char *folder, gw_error *
     free(path);
     if (!code)
         fputs("frame,presented_ms,time_s,eye_x_mm,eye_y_mm,eye_z_mm,gazes,gaze_x,gaze_y,gaze_z,gaze_age_s,"
-              "gaze_confidence,tau,tau_inside,rays,frame_ms,slowest_tile_ms,late_tiles,lost_tiles\n",
+              "gaze_confidence,tau,tau_inside,epoch,accumulate,rays,frame_ms,slowest_tile_ms,late_tiles,lost_"
+              "tiles\n",
               conductor->rows);
     return code;
 }
@@ -125,6 +126,7 @@ gw_code gw_conductor_describe(gw_conductor *conductor, const struct gw_rank *ran
     const gw_scene *scene = model->scene;
     const gw_octree *octree = model->octree;
     const gw_gl_limits *limits = gw_gl_limits_of(model->device);
+    conductor->scene_moves = scene->animation != NULL;
     if (rank->options.step < 0 && !conductor->track && scene->animation)
         conductor->step = 1000000000 / 30; /* nothing else tells the pace at which it plays */
     gw_report_device(conductor->report, limits);
@@ -163,6 +165,7 @@ static void make_state(const gw_conductor *conductor, const struct gw_rank *rank
                        rank->options.gaze == GW_GAZE_AT_PIXEL ? conductor->stare : NULL, &draw->settings);
         state->time = time;
     }
+    gw_frame_accumulate(state, frame ? &conductor->states[frame - 1] : NULL, conductor->scene_moves);
 }
 
 /* How long a silent tile is waited for. Kernels are compiled in the first frame, on all tiles at once. */
@@ -224,11 +227,11 @@ static void write_row(gw_conductor *conductor, uint32_t frame, const gw_counters
     const gw_frame_state *s = &conductor->states[frame];
     const gw_gaze *g = &s->gazes[0]; /* all zero when there is none */
     fprintf(conductor->rows,
-            "%" PRIu32 ",%.3f,%.9f,%.9g,%.9g,%.9g,%" PRIu32 ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%" PRIu64
-            ",%.3f,%.3f,0,%" PRIu32 "\n",
+            "%" PRIu32 ",%.3f,%.9f,%.9g,%.9g,%.9g,%" PRIu32 ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%" PRIu32
+            ",%d,%" PRIu64 ",%.3f,%.3f,0,%" PRIu32 "\n",
             s->frame, presented, (double)s->time * 1e-9, s->eye[0], s->eye[1], s->eye[2], s->gaze_count,
             (double)g->direction[0], (double)g->direction[1], (double)g->direction[2], (double)g->age,
-            (double)g->confidence, (double)s->tau, (double)s->tau_inside, sum->rays,
+            (double)g->confidence, (double)s->tau, (double)s->tau_inside, s->epoch, s->accumulate, sum->rays,
             conductor->milliseconds[frame], slowest, conductor->lost_count);
     fflush(conductor->rows);
 }

@@ -21,6 +21,7 @@ typedef struct gw_conductor {
     double stare[3];    /* mm, for --gaze */
     uint32_t frame_count;
     int64_t first_time, step;             /* ns, of the track's clock */
+    int scene_moves;                      /* it is animated, so every frame's time is a view of its own */
     gw_frame_state *states;               /* [frame_count], as sent */
     double *milliseconds;                 /* [frame_count], release to last pixel */
     int64_t lost_frame[GW_MAXIMUM_TILES]; /* -1: not lost */

@@ -120,6 +120,22 @@ void gw_frame_stare(gw_frame_state *state, const double eye[3], const double *ta
     add_gaze(state, eye, direction, settings, 0, 1);
 }
 
+void gw_frame_accumulate(gw_frame_state *state, const gw_frame_state *before, int scene_moves) {
+    const uint16_t most = state->accumulate;
+    if (most <= 1)
+        return;
+    state->accumulate = 1;
+    state->epoch = before ? before->epoch : 1;
+    if (!before)
+        return;
+    const gw_frame_state now = gw_frame_state_view(state, scene_moves),
+                         then = gw_frame_state_view(before, scene_moves);
+    if (memcmp(&now, &then, sizeof now) != 0)
+        state->epoch++;
+    else
+        state->accumulate = before->accumulate < most ? (uint16_t)(before->accumulate + 1) : most;
+}
+
 /* --- writing
  * --------------------------------------------------------------------------------------------------- */
 
@@ -148,9 +164,10 @@ static json_t *pack_state(const gw_frame_state *state) {
     json_t *gazes = json_array();
     for (uint32_t i = 0; i < state->gaze_count; i++)
         json_array_append_new(gazes, pack_gaze(&state->gazes[i]));
-    json_t *object = json_pack("{s:I, s:I, s:o, s:o, s:I}", "frame", (json_int_t)state->frame, "time",
-                               (json_int_t)state->time, "eye", pack_doubles(state->eye, 3), "gazes", gazes,
-                               "seed", (json_int_t)state->seed);
+    json_t *object = json_pack("{s:I, s:I, s:o, s:o, s:I, s:I, s:i}", "frame", (json_int_t)state->frame,
+                               "time", (json_int_t)state->time, "eye", pack_doubles(state->eye, 3), "gazes",
+                               gazes, "seed", (json_int_t)state->seed, "epoch", (json_int_t)state->epoch,
+                               "accumulate", (int)state->accumulate);
     for (size_t i = 0; i < COUNT(float_fields); i++) {
         float value;
         memcpy(&value, (const char *)state + float_fields[i].offset, sizeof value);
@@ -284,16 +301,20 @@ static int take_knobs(const place *at, const json_t *object, gw_frame_state *sta
 }
 
 static int take_state(const place *at, const json_t *object, gw_frame_state *state) {
-    double frame = 0, time = 0, seed = 0;
+    double frame = 0, time = 0, seed = 0, epoch = 0, accumulate = 0;
     memset(state, 0, sizeof *state);
     if (!take_number(at, object, "frame", 0, UINT32_MAX, &frame) ||
         !take_number(at, object, "time", 0, 9e18, &time) ||
         !take_number(at, object, "seed", 0, UINT32_MAX, &seed) ||
+        !take_number(at, object, "epoch", 0, UINT32_MAX, &epoch) ||
+        !take_number(at, object, "accumulate", 1, GW_MAXIMUM_ACCUMULATION, &accumulate) ||
         !take_point(at, object, "eye", state->eye) || !take_gazes(at, object, state) ||
         !take_knobs(at, object, state))
         return 0;
     state->frame = (uint32_t)frame;
     state->seed = (uint32_t)seed;
+    state->epoch = (uint32_t)epoch;
+    state->accumulate = (uint16_t)accumulate;
     /* The time is an integer of more digits than a double holds. */
     state->time = (int64_t)json_integer_value(json_object_get(object, "time"));
     return 1;

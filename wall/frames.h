@@ -29,6 +29,11 @@ void gw_frame_look(gw_frame_state *state, const gw_track *track, int64_t time, c
 void gw_frame_stare(gw_frame_state *state, const double eye[3], const double *target,
                     const gw_settings *settings);
 
+/* Counts the samples of a still view: state->accumulate, on entry the most that may be added up, becomes how
+ * many are, and epoch the number of the view. before is the frame before, NULL for the first one. With 1
+ * nothing is counted. */
+void gw_frame_accumulate(gw_frame_state *state, const gw_frame_state *before, int scene_moves);
+
 typedef struct gw_states {
     size_t count;
     gw_frame_state *states; /* owned */

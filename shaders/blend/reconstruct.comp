@@ -1,14 +1,15 @@
 // Pixels from samples: each pixel of a coarse block blends the four samples round it on the grid of its own block's rate. Where a
 // neighbouring block has another rate, the sample that holds the grid point stands in, so that rates meet without a seam.
 // A pixel of its own keeps its sample, or the mean of its rays. Everything stands at wall-global places: no picture depends on its tile.
+//
+// variants: ; ACCUMULATE=1
 #include "common/frame_block.glsl"
-#include "common/color.glsl"
 layout(local_size_x = 64) in;
 uniform uint group_base;
 layout(std430, binding = 7) readonly buffer Sums { vec4 sums[]; };
-layout(std430, binding = 8) writeonly buffer Pixels { uint pixels[]; };
 layout(std430, binding = 10) readonly buffer Blocks { uint blocks[]; }; // of the list's grid
 layout(location = 0) uniform uint pixel_slots;
+#include "blend/store_pixel.glsl"
 
 // Interleaves the lowest three bits of x and y.
 uint morton(uvec2 p) {
@@ -54,5 +55,5 @@ void main() {
     precise vec3 upper = sample_at(first) * (1.0 - share.x) + sample_at(first + ivec2(side, 0)) * share.x;
     precise vec3 lower = sample_at(first + ivec2(0, side)) * (1.0 - share.x) + sample_at(first + ivec2(side)) * share.x;
     precise vec3 color = upper * (1.0 - share.y) + lower * share.y;
-    pixels[slot] = encode_pixel(rate == 0 ? sample_at(pixel) : color);
+    store_pixel(slot, rate == 0 ? sample_at(pixel) : color);
 }

@@ -37,6 +37,8 @@ GW_IVEC4(chunk);     // first block's x and y (pixels, multiples of 8), blocks p
 GW_IVEC4(list);      // grid of blocks that samples are listed for, chunk and rim: as chunk, x and y multiples of 16
 GW_UVEC4(counts);    // viewers, directional lights, point lights, rays of a sharp pixel
 GW_UVEC4(level_begin[4]); // first node of each octree level, 16 entries; unused ones are 0xffffffff
+GW_VEC4(accumulation); // xy: this sample's ray in its square, in sides of it from its centre; z: 1 / samples with this one;
+                       // w: 1 when samples have been added before
 GW_VEC4(sample_places[8]); // of up to 16 rays in their pixel, from its centre, px: xy of an even one, zw of an odd one
 gw_viewer viewers[GW_MAXIMUM_VIEWERS];
 GW_STRUCT_END(gw_frame_block)

@@ -2,7 +2,7 @@
 // queued with what has been added so far.
 //
 // variants: OCTREE_DEPTH=11; OCTREE_DEPTH=11 LOD=1 GAZE=1 TEXTURES=1 TEXTURE_CLASSES=4 SMOOTH_NORMALS=1 FRAGMENTS=8u
-// variants: OCTREE_DEPTH=11 ALPHA=1 RESUME=1 VERTEX_COLORS=1 EMISSIVE=1 POINT_LIGHTS=1 DIRECTIONAL_LIGHTS=1 COUNT=1
+// variants: OCTREE_DEPTH=11 ACCUMULATE=1; OCTREE_DEPTH=11 ALPHA=1 RESUME=1 VERTEX_COLORS=1 EMISSIVE=1 POINT_LIGHTS=1 DIRECTIONAL_LIGHTS=1 COUNT=1
 // variants: OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 EMISSIVE=1 VOXEL_EMISSION=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=8; OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=9; OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=10
 // variants: OCTREE_DEPTH=11 DEBUG_VIEW=1; OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=2; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=4
@@ -34,7 +34,6 @@ layout(std430, binding = 5) writeonly buffer NextQueue { uint next_queue[]; };
 layout(std430, binding = 6) readonly buffer Work { uvec4 work_of[]; };
 #endif
 layout(std430, binding = 7) buffer Sums { vec4 sums[]; };
-layout(std430, binding = 8) writeonly buffer Pixels { uint pixels[]; };
 #ifdef RESUME
 layout(location = 0) uniform uint queue_length;
 #endif
@@ -44,6 +43,9 @@ layout(location = 0) uniform uint queue_length;
 #include "shade/surface.glsl"
 #include "shade/lights.glsl"
 #include "shade/debug_view.glsl"
+#ifndef SPARSE
+#include "blend/store_pixel.glsl"
+#endif
 
 #ifdef ALPHA
 // The last fragment's opacity was not known when it was traced: the ray's own bookkeeping is brought up to date here.
@@ -130,6 +132,6 @@ void main() {
 #ifdef SPARSE
     sums[slot] = vec4(color, 1.0); // blend/reconstruct.comp makes pixels of it
 #else
-    pixels[slot] = encode_pixel(color);
+    store_pixel(slot, color);
 #endif
 }

@@ -12,7 +12,7 @@ struct Pixel_square {
     int side;
     bool present; // false: padding at a list's end, or outside the rectangle
 #ifdef SPARSE
-    vec2 place; // of the ray in a pixel that has several, from its centre, px
+    vec2 place; // of the ray in the square, from its centre, px
 #endif
 };
 
@@ -45,7 +45,8 @@ Pixel_square square_of_slot(uint slot) {
     uint which = rate == 0u ? GW_SAMPLE_WHICH(word) : 0u;
     vec4 places = frame.sample_places[which >> 1];
     return Pixel_square(frame.list.xy + ivec2(GW_SAMPLE_X(word), GW_SAMPLE_Y(word)), 1 << (rate & 7u),
-                        word != GW_NO_SAMPLE, rate != 0u ? vec2(0.0) : (which & 1u) == 0u ? places.xy : places.zw);
+                        word != GW_NO_SAMPLE,
+                        rate != 0u ? frame.accumulation.xy * float(1 << (rate & 7u)) : (which & 1u) == 0u ? places.xy : places.zw);
 #else
     ivec2 pixel = pixel_of_slot(slot);
     return Pixel_square(pixel, 1, in_window(pixel));
@@ -74,6 +75,8 @@ Pixel_ray ray_of_square(Pixel_square square) {
 #ifdef SPARSE
     centre += square.place;
     side = square.side == 1 ? frame.corner.w : side;
+#else
+    centre += frame.accumulation.xy;
 #endif
     precise vec3 direction = frame.corner.xyz + frame.step_x.xyz * centre.x + frame.step_y.xyz * centre.y;
     ray.direction = direction;

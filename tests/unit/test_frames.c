@@ -97,6 +97,8 @@ static void a_recording_gives_every_bit_back(void **state) {
         states[i].time = INT64_C(9007199254740993) + i; /* more digits than a double has */
         states[i].gazes[0].age = i % 4 ? 0.1f * (float)i : 0;
         states[i].geometry = (uint8_t)(i % 3);
+        states[i].epoch = 7 * i;
+        states[i].accumulate = (uint16_t)(i + 1);
     }
     check_ok(gw_states_save(path, states, COUNT, &error));
     gw_states back;
@@ -114,6 +116,9 @@ static const char *write_text(char path[512], const char *text) {
     return path;
 }
 
+#define HEAD                                                                                                 \
+    "{\"gazewall_states\": 1}\n{\"frame\": 0, \"time\": 0, \"seed\": 0, \"epoch\": 0, \"accumulate\": 1"
+
 static void broken_recordings_are_told_by_line(void **state) {
     (void)state;
     char path[512];
@@ -127,17 +132,15 @@ static void broken_recordings_are_told_by_line(void **state) {
         {"[1]\n", ":1: not a JSON object"},
         {"{\"gazewall_states\": 1}\n{\"frame\": 0\n", ":2: not a JSON object"},
         {"{\"gazewall_states\": 1}\n{\"frame\": -1}\n", ":2: 'frame' is missing or not a number"},
-        {"{\"gazewall_states\": 1}\n{\"frame\": 0, \"time\": 0, \"seed\": 0, \"eye\": [1, 2, \"x\"]}\n",
-         ":2: 'eye' is missing"},
-        {"{\"gazewall_states\": 1}\n{\"frame\": 0, \"time\": 0, \"seed\": 0, \"eye\": [1, 2, 3], "
-         "\"gazes\": [1, 2, 3, 4, 5]}\n",
-         "a list of at most 4"},
-        {"{\"gazewall_states\": 1}\n{\"frame\": 0, \"time\": 0, \"seed\": 0, \"eye\": [1, 2, 3], "
-         "\"gazes\": [{\"eye\": [0, 0, 0], \"direction\": [0, 0, -2], \"up\": [0, 1, 0]}]}\n",
+        {HEAD ", \"eye\": [1, 2, \"x\"]}\n", ":2: 'eye' is missing"},
+        {HEAD ", \"eye\": [1, 2, 3], \"gazes\": [1, 2, 3, 4, 5]}\n", "a list of at most 4"},
+        {HEAD ", \"eye\": [1, 2, 3], \"gazes\": [{\"eye\": [0, 0, 0], \"direction\": [0, 0, -2], \"up\": [0, "
+              "1, 0]}]}\n",
          "'direction' has length 2, not 1"},
-        {"{\"gazewall_states\": 1}\n{\"frame\": 0, \"time\": 0, \"seed\": 0, \"eye\": [1, 2, 3], \"gazes\": "
-         "[]}\n",
-         "'tau' is missing"},
+        {HEAD ", \"eye\": [1, 2, 3], \"gazes\": []}\n", "'tau' is missing"},
+        {"{\"gazewall_states\": 1}\n{\"frame\": 0, \"time\": 0, \"seed\": 0, \"epoch\": 0, \"accumulate\": "
+         "0}\n",
+         ":2: 'accumulate' is missing or not a number from 1 to 256"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         write_text(path, cases[i].text);
@@ -147,11 +150,47 @@ static void broken_recordings_are_told_by_line(void **state) {
     remove(path);
 }
 
+/* Samples count up while nothing changes that a pixel depends on, and start again when something does. */
+static void still_views_add_up(void **state) {
+    (void)state;
+    gw_settings settings = defaults();
+    settings.accumulate = 3;
+    const double eye[3] = {0, 0, 1800}, target[3] = {10, 20, 0};
+    gw_frame_state s[2];
+    uint32_t epoch = 1;
+    for (uint32_t frame = 0; frame < 40; frame++) {
+        const uint32_t kind = frame / 5;
+        gw_frame_state *now = &s[frame % 2];
+        if (kind == 5)
+            settings.tau = 2;
+        gw_frame_begin(now, frame, &settings, kind >= 3, kind == 4 ? GW_DEBUG_RATES : GW_DEBUG_NONE);
+        gw_frame_stare(now, kind == 1 ? (const double[3]){0, 1e-9, 1800} : eye, kind == 2 ? NULL : target,
+                       &settings);
+        now->eye[1] += kind == 6;
+        now->time = frame; /* the scene stands still */
+        now->gazes[0].age = now->gaze_count ? 0.001f * (float)(frame % 5) : 0;
+        if (kind == 7)
+            now->gazes[0].age = 1 + (float)frame; /* beyond gaze_growth_limit: no wider than before */
+        gw_frame_accumulate(now, frame ? &s[1 - frame % 2] : NULL, 0);
+        epoch += frame % 5 == 0 && frame > 0;
+        if (now->epoch != epoch || now->accumulate != (frame % 5 < 3 ? frame % 5 + 1 : 3))
+            fail_msg("frame %u: epoch %u, %u samples", frame, now->epoch, now->accumulate);
+    }
+    gw_frame_accumulate(&s[0], &s[1], 1); /* a scene that moves is another view at another time */
+    assert_int_equal(s[0].accumulate, 1);
+    settings.accumulate = 1;
+    gw_frame_begin(&s[0], 0, &settings, 0, GW_DEBUG_NONE);
+    gw_frame_accumulate(&s[0], &s[1], 0);
+    assert_int_equal(s[0].epoch, 0);
+    assert_int_equal(s[0].accumulate, 1);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_stare_is_one_gaze),
         cmocka_unit_test(up_is_across_every_gaze),
         cmocka_unit_test(the_track_speaks),
+        cmocka_unit_test(still_views_add_up),
         cmocka_unit_test(a_recording_gives_every_bit_back),
         cmocka_unit_test(broken_recordings_are_told_by_line),
     };

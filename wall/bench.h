@@ -18,6 +18,8 @@ typedef struct gw_bench {
     const char *out;  /* folder, or NULL */
     int quick;        /* fewer repeats and rays, for tests */
     uint32_t repeats; /* 0: the bench's own number */
+    uint32_t frames;  /* of benches that follow a camera path; 0: the bench's own number */
+    const char *path; /* its name or number; NULL: the scene's first */
     uint32_t size[2]; /* px, of benches that trace a picture; 0: the bench's own */
     size_t scene_count;
     const char *scenes[64]; /* of benches that take several; none: draw.scene */
@@ -42,8 +44,8 @@ gw_code gw_bench_rays(const gw_bench *bench, gw_ray **rays, size_t *count, gw_er
 /* Builds against rebuilds of an animated scene, pose after pose. Fails if they differ. */
 gw_code gw_bench_rebuild(gw_bench *bench, gw_error *error);
 
-/* One view in the modes of Weier et al. 2014, Table 3, and how much of their error is seen. */
-gw_code gw_bench_modes(gw_bench *bench, gw_error *error);
+/* A camera path in the modes of Weier et al. 2014, Table 3, and how much of their error is seen. */
+gw_code gw_bench_modes_run(gw_bench *bench, gw_error *error);
 
 /* Many models at once, each with its own octree and renderer on one device. */
 gw_code gw_bench_resident(gw_bench *bench, gw_error *error);

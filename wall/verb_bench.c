@@ -25,14 +25,15 @@ typedef struct bench_kind {
     gw_code (*run)(gw_bench *bench, gw_error *error);
     bench_needs needs;
     int plain_lists; /* 1: compares forms of the octree that know no boxes over lists */
+    int32_t depth;   /* of the octree unless --set says another; 0: the setting's default */
 } bench_kind;
 
 static const bench_kind kinds[] = {
-    {"build", gw_bench_build, NEEDS_OCTREE, 0},       {"peers", gw_bench_peers, NEEDS_OCTREE, 0},
-    {"modes", gw_bench_modes, NEEDS_OCTREE, 0},       {"layouts", gw_bench_layouts, NEEDS_OCTREE, 1},
-    {"table2", gw_bench_table2, NEEDS_SCENES, 0},     {"growth", gw_bench_growth, NEEDS_NOTHING, 0},
-    {"resident", gw_bench_resident, NEEDS_SCENES, 0}, {"voxelise", gw_bench_voxelise, NEEDS_SCENE, 1},
-    {"rebuild", gw_bench_rebuild, NEEDS_SCENE, 0},
+    {"build", gw_bench_build, NEEDS_OCTREE, 0, 0},       {"peers", gw_bench_peers, NEEDS_OCTREE, 0, 0},
+    {"modes", gw_bench_modes_run, NEEDS_OCTREE, 0, 9},   {"layouts", gw_bench_layouts, NEEDS_OCTREE, 1, 0},
+    {"table2", gw_bench_table2, NEEDS_SCENES, 0, 0},     {"growth", gw_bench_growth, NEEDS_NOTHING, 0, 0},
+    {"resident", gw_bench_resident, NEEDS_SCENES, 0, 0}, {"voxelise", gw_bench_voxelise, NEEDS_SCENE, 1, 0},
+    {"rebuild", gw_bench_rebuild, NEEDS_SCENE, 0, 0},
 };
 enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };
 
@@ -41,16 +42,19 @@ typedef struct bench_options {
     const bench_kind *kind;
 } bench_options;
 
-enum { KEY_OUT = 0x5000, KEY_QUICK, KEY_REPEATS, KEY_SIZE };
+enum { KEY_OUT = 0x5000, KEY_QUICK, KEY_REPEATS, KEY_SIZE, KEY_FRAMES, KEY_PATH };
 
 static const struct argp_option options_table[] = {
     {"out", KEY_OUT, "FOLDER", 0, "write WHAT.csv and WHAT.json there; made if missing", 1},
     {"quick", KEY_QUICK, NULL, 0, "fewer repeats and rays: shows that it works, measures little", 1},
-    {"repeats", KEY_REPEATS, "N", 0, "1 to 1000; default 7 (quick 2)", 1},
+    {"repeats", KEY_REPEATS, "N", 0, "1 to 1000; default 7 (quick 2), of modes 3 (1)", 1},
     {"size", KEY_SIZE, "WxH", 0,
-     "px, of the picture that modes draws and whose rays peers and layouts trace; default 1024x576 (quick "
-     "160x90)",
+     "px, of the picture that modes draws (default 1024x1024, quick 128x128) and whose rays peers and "
+     "layouts "
+     "trace (1024x576, quick 160x90)",
      1},
+    {"path", KEY_PATH, "NAME", 0, "camera path that modes follows, by name or number; default: the first", 1},
+    {"frames", KEY_FRAMES, "N", 0, "1 to 64, default 4 (quick 2): pairs of frames on that path", 1},
     {0}};
 
 static gw_code add_scene(gw_bench *bench, const char *path, gw_error *error) {
@@ -115,6 +119,13 @@ static error_t parse_bench(int key, char *argument, struct argp_state *state) {
     case KEY_SIZE:
         code = gw_parse_pair("--size", argument, 8192, o->bench.size, error);
         break;
+    case KEY_FRAMES:
+        code = gw_parse_integer("--frames", argument, 1, 64, &integer, error);
+        o->bench.frames = (uint32_t)integer;
+        break;
+    case KEY_PATH:
+        o->bench.path = argument;
+        break;
     case ARGP_KEY_ARG:
         code = choose_kind(o, argument, error);
         break;
@@ -134,11 +145,11 @@ static const struct argp bench_argp = {
         "build: builds the scene's octree again and again; medians, phases, pairs, bytes a triangle.\n"
         "peers: traces the same primary rays through this octree and through Embree (libembree3), in turns; "
         "ratio of the medians, and every hit on which they differ, by kind.\n"
-        "modes: draws one view with triangles only, voxels only, hybrid and foveated, in turns: rays, work, "
-        "time "
-        "against exact triangles, and the error to 16 rays a pixel, plain and as a viewer sees it who looks "
-        "at the "
-        "centre.\n"
+        "modes: draws pairs of frames of a camera path with triangles only, voxels only, hybrid and "
+        "foveated, in "
+        "turns, in an octree of 512^3: rays, work, time against exact triangles, error and flicker against "
+        "16 rays "
+        "a pixel, plain and as a viewer sees them who looks at the centre.\n"
         "layouts: traces the rays of peers through other forms of the octree's nodes (Weier et al.'s, 4x4x4 "
         "children, a "
         "root "
@@ -181,8 +192,17 @@ gw_code gw_bench_write(const gw_bench *bench, const char *name, const char *rows
     return code;
 }
 
+/* The depth was 0 before the command line was read: no --set can make it that. */
+static void choose_depth(const bench_kind *kind, gw_settings *settings) {
+    gw_settings defaults;
+    gw_settings_init(&defaults);
+    if (settings->octree_depth == 0)
+        settings->octree_depth = kind->depth ? kind->depth : defaults.octree_depth;
+}
+
 static gw_code prepare(bench_options *o, int argc, char **argv, gw_error *error) {
     gw_bench *bench = &o->bench;
+    choose_depth(o->kind, &bench->draw.settings);
     gw_model *model = &bench->model;
     if (o->kind->plain_lists)
         bench->draw.settings.dense_leaf = 0;
@@ -213,6 +233,7 @@ int gw_verb_bench(int argc, char **argv) {
     gw_error error = {0};
     int helped = 0;
     gw_draw_options_init(&bench->draw, &error);
+    bench->draw.settings.octree_depth = 0;
     gw_code code = gw_arguments_parse(&bench_argp, argc, argv, &o, &helped, &error);
     if (helped && !code)
         return GW_OK;

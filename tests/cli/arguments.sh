@@ -94,6 +94,25 @@ is "triangles and exact do the same work" \
 is "voxels test no triangles" "$(json "$folder/modes/modes.json" '["bench"]["modes"][2]["counters"]["triangle_tests"]')" 0
 is "errors are between 0 and 1, and filters hide some" \
     "$(json "$folder/modes/modes.json" '["bench"]["modes"] and all(0 <= m["seen_flip"] <= m["flip"] + 0.01 <= 1 for m in d["bench"]["modes"])')" True
+is "without a path there is no flicker" "$(json "$folder/modes/modes.json" '["bench"]["modes"][3]["flicker"]')" None
+cat >"$folder/path.yaml" <<EOF
+version: 1
+models: [{file: $root/tests/data/box.obj}]
+paths:
+  - {name: round, fov: 50, keys: [{time: 0, eye: [0, 2, 6], look_at: [0, 0, 0]}, {time: 9, eye: [5, 2, 4], look_at: [0, 0, 0]}]}
+EOF
+on_path=(--scene "$folder/path.yaml" --set octree_depth=5 --quiet)
+"$program" bench modes --quick --size 48x48 --frames 3 "${on_path[@]}" --path round --out "$folder/along"
+is "three frames of a path" "$(json "$folder/along/modes.json" '["bench"]["path"], len(d["bench"]["modes"][0]["ms"])')" "('round', 3)"
+is "flicker of modes that alias" \
+    "$(json "$folder/along/modes.json" '["bench"] and all(0 < m["flicker"]["mean"] < m["flicker"]["largest"] for m in d["bench"]["modes"])')" True
+is "verdicts and plotted times" "$(json "$folder/along/modes.json" '["bench"]["verdicts"].__len__()') $(ls "$folder/along/modes-time.svg")" \
+    "3 $folder/along/modes-time.svg"
+expect "a path that is none" 2 "has no camera path 'walk'; it has 1, the first is 'round'" bench modes "${on_path[@]}" --path walk
+"$program" render "${on_path[@]}" --path round --time 9 --size 32x32 --out "$folder/on-path.png"
+"$program" render "${on_path[@]}" --eye 5,2,4 --look-at 0,0,0 --fov 50 --size 32x32 --out "$folder/eye.png"
+is "a picture on a path is that of a camera there" "$(cmp "$folder/on-path.png" "$folder/eye.png" 2>&1)" ""
+expect "two cameras" 2 "leave out --viewpoint" render "${on_path[@]}" --path 0 --viewpoint 0
 "$program" bench layouts --quick --size 32x32 --repeats 1 "${scene[@]}" --out "$folder/layouts"
 is "layouts that were compared" $? 0
 is "they are in the report" "$(json "$folder/layouts/layouts.json" '["bench"]["layouts"][6]["name"]')" "seed64"

@@ -16,12 +16,15 @@ float group_end;      // t at which its last cell ends
 // Share of the accepted error at which a separated cell stands for its contents.
 #define SEPARATED_TAU frame.step_y.w
 
+// Factor between two t that rounding alone may have parted.
+#define BESIDE (1.0 + 1.0 / 262144.0)
+
 float remaining() {
     return transmittance * (1.0 - group_opacity);
 }
 
 void begin_group_if_apart(float entry) {
-    bool apart = entry > group_end * (1.0 + 1.0 / 262144.0);
+    bool apart = entry > group_end * BESIDE;
 #ifdef MULTIPLY_OPACITY
     apart = true; // the naive variant, for the test that shows why
 #endif

@@ -30,17 +30,16 @@ uint encode_channel(float linear) {
     return code;
 }
 
-// Octahedral map of a direction (Cigolle et al. 2014) to 12 bits an axis.
-uint encode_normal(vec3 n) {
+// Octahedral map of a direction (Cigolle et al. 2014): 0 to 2 * half_steps along each axis.
+uvec2 encode_normal(vec3 n, float half_steps) {
     precise float inverse = gw_reciprocal(abs(n.x) + abs(n.y) + abs(n.z));
     precise vec2 flat_normal = n.xy * inverse;
     if (n.z < 0.0) {
         precise vec2 folded = (1.0 - abs(flat_normal.yx)) * vec2(flat_normal.x < 0.0 ? -1.0 : 1.0, flat_normal.y < 0.0 ? -1.0 : 1.0);
         flat_normal = folded;
     }
-    precise vec2 scaled = floor(flat_normal * 2047.0 + 2047.5);
-    uvec2 code = uvec2(clamp(scaled, 0.0, 4094.0));
-    return code.x | (code.y << 12);
+    precise vec2 scaled = floor(flat_normal * half_steps + (half_steps + 0.5));
+    return uvec2(clamp(scaled, 0.0, 2.0 * half_steps));
 }
 
 // value * scale + zero, rounded, within 0..most.
@@ -61,6 +60,8 @@ struct cell_shape {
     bool two_sided, none, separated;
     uint agreement;     // code
     float offset, area; // of the surface along its normal, in sides; in face areas
+    float spread;       // of a separated cell: distance from the mean plane, rms, in sides
+    float one_sided;    // of a two-sided cell: 0: half of it faces either way, 1: all of it one way
 };
 
 #ifdef GW_SEED_RULE
@@ -70,7 +71,7 @@ cell_shape shape_of(surface_sum sum, float inverse_count) {
     // Twice, since a two-sided voxel counts by half.
     precise float thickness = 2.0 * opacity * gw_reciprocal(1.0 - opacity + opacity * (2.0 / GW_PAYLOAD_AREA_MOST));
     vec3 direction = length_of(sum.normal) > 0.0 ? sum.normal : sum.aligned;
-    return cell_shape(direction, true, direction == vec3(0.0), false, GW_PAYLOAD_SOLID, 0.0, thickness);
+    return cell_shape(direction, true, direction == vec3(0.0), false, GW_PAYLOAD_SOLID, 0.0, thickness, 0.0, 0.0);
 }
 #else
 cell_shape shape_of(surface_sum sum, float inverse_area) {
@@ -79,7 +80,10 @@ cell_shape shape_of(surface_sum sum, float inverse_area) {
     // Opposed normals have met where turning them to one side makes the sum at least twice as long; a rough surface
     // has lateral normals that turning makes longer, too, but keeps a length of its own.
     precise float rough_length = 0.3 * sum.area;
-    bool two_sided = aligned > 2.0 * straight && straight < rough_length;
+    // Turned to one side, the normals of a flat wall's two sheets agree, however little of one of them the cell holds.
+    precise float flat_length = 0.97 * sum.area;
+    bool sheets = aligned > flat_length && straight < flat_length;
+    bool two_sided = sheets || (aligned > 2.0 * straight && straight < rough_length);
     float longest = two_sided ? aligned : straight;
     precise float flatness = longest * inverse_area;
     bool none = max(straight, aligned) * inverse_area < 1.0e-3;
@@ -96,9 +100,20 @@ cell_shape shape_of(surface_sum sum, float inverse_area) {
     precise vec3 along = squares * unit * unit + 2.0 * products * unit.yzx * unit.zxy;
     precise float spread = along.x + along.y + along.z;
     bool separated = none || spread > separation * separation;
-    return cell_shape(direction, two_sided, none, separated, agreement, offset, sum.area);
+    return cell_shape(direction, two_sided, none, separated, agreement, offset, sum.area, gw_square_root(spread),
+                      straight * gw_reciprocal(aligned));
 }
 #endif
+
+// Word 1 of the payload.
+uint encode_shape(cell_shape shape) {
+    bool thick = shape.two_sided || shape.separated;
+    uvec2 normal = encode_normal(shape.direction, thick ? 255.0 : 2047.0);
+    uint spread = shape.separated ? encode_fraction(shape.spread, 20.0, -2.0, 7.0) : 0u;
+    uint one_sided = encode_fraction(shape.one_sided, 7.0, 0.0, 7.0);
+    uint word = thick ? normal.x | (normal.y << 9) | (spread << 18) | (one_sided << 21) : normal.x | (normal.y << 12);
+    return (shape.none ? GW_PAYLOAD_NO_NORMAL : word) | (shape.agreement << 24);
+}
 
 void main() {
     uint node = job_index();
@@ -114,7 +129,7 @@ void main() {
     cell_shape shape = shape_of(sum, inverse_area);
     payloads[node * 3u] = encode_channel(color.x) | (encode_channel(color.y) << 10) | (encode_channel(color.z) << 20) |
                           (shape.two_sided ? GW_PAYLOAD_TWO_SIDED : 0u) | (shape.separated ? GW_PAYLOAD_SEPARATED : 0u);
-    payloads[node * 3u + 1u] = (shape.none ? GW_PAYLOAD_NO_NORMAL : encode_normal(shape.direction)) | (shape.agreement << 24);
+    payloads[node * 3u + 1u] = encode_shape(shape);
     float root = gw_square_root(shape.area);
     payloads[node * 3u + 2u] = encode_fraction(root, 4095.0 / 4.0, 0.0, 4095.0) |
                                (encode_fraction(shape.offset, GW_PAYLOAD_OFFSET_STEPS, 128.0, 255.0) << 12) |

@@ -100,7 +100,7 @@ GW_STRUCT_END(gw_gpu_light)
 #define GW_STATUS_OUTSIDE 0x400u     // no pixel of the rectangle
 
 // A suspended ray's state (trace/state.glsl), in words; shading needs to know where its transmittance and group opacity are.
-#define GW_STATE_WORDS 14u
+#define GW_STATE_WORDS 15u
 #define GW_STATE_TRANSMITTANCE 8u
 // Totals of one chunk: cap hits, NaN pixels, length of the queue.
 #define GW_TOTAL_WORDS 4

@@ -3,8 +3,11 @@
 #include "common/small_math.glsl"
 
 vec3 payload_normal(uvec3 payload) {
-    vec2 code = vec2(payload.y & 0xfffu, (payload.y >> 12) & 0xfffu);
-    return octahedral_decode((code - 2047.0) * (1.0 / 2047.0));
+    bool thick = (payload.x & (GW_PAYLOAD_TWO_SIDED | GW_PAYLOAD_SEPARATED)) != 0u;
+    uvec2 code = thick ? uvec2(payload.y, payload.y >> 9) & 0x1ffu : uvec2(payload.y, payload.y >> 12) & 0xfffu;
+    float half_steps = thick ? 255.0 : 2047.0;
+    precise vec2 square = (vec2(code) - half_steps) * (1.0 / half_steps);
+    return octahedral_decode(square);
 }
 
 // 1: all normals of the cell agree; 0: they cancel.
@@ -56,6 +59,7 @@ float absorbed(float x) {
 
 struct Voxel_opacity {
     float opacity;
+    float owed;  // at least opacity: what the ray ought to have met of the cell's surface by the end of the cell, here or in the cells before
     float sheet; // 1: part of a surface that goes on in the next cells; 0: a thing of its own, apart from what they hold
 };
 
@@ -72,8 +76,10 @@ Voxel_opacity payload_opacity(uvec3 payload, vec3 normal, vec3 enter, vec3 leave
     bool two_sided = (payload.x & GW_PAYLOAD_TWO_SIDED) != 0u;
     bool separated = (payload.x & GW_PAYLOAD_SEPARATED) != 0u;
     float agreement = payload_agreement(payload);
-    // Where opposed normals met, one side of things lies behind the other: half of the area is what a ray can meet.
-    float area = two_sided ? 0.5 * payload_area(payload) : payload_area(payload);
+    // Where opposed normals met, one side of things lies behind the other: of what faces either way only the larger part can be
+    // met by a ray.
+    float one_sided = float(GW_PAYLOAD_ONE_SIDED_CODE(payload.y)) * (1.0 / 7.0) * agreement;
+    precise float area = payload_area(payload) * (two_sided ? 0.5 * (1.0 + one_sided) : 1.0);
     vec3 chord = leave - enter;
     precise float enter_height = dot(normal, enter);
     precise float leave_height = dot(normal, leave);
@@ -90,17 +96,37 @@ Voxel_opacity payload_opacity(uvec3 payload, vec3 normal, vec3 enter, vec3 leave
 
     float reach = 0.5 * (abs(normal.x) + abs(normal.y) + abs(normal.z));
     float offset = payload_offset(payload);
-    float centre = clamp(offset, SLAB_HALF - reach, reach - SLAB_HALF);
-    precise float low = max(min(enter_height, leave_height), centre - SLAB_HALF);
-    precise float high = min(max(enter_height, leave_height), centre + SLAB_HALF);
-    precise float filled = area / max(cube_section(normal, centre), 1e-3);
+    // The sheets of a wall lie apart by as much to both sides: nothing passes between them.
+    float spread = separated ? 0.1 + 0.05 * float(GW_PAYLOAD_SPREAD_CODE(payload.y)) : 0.0;
+    // Where the plane cuts off a corner only, its section is told too large by the stored offset's last digit.
+    precise float furthest = abs(offset) + spread + 0.5 / GW_PAYLOAD_OFFSET_STEPS;
+    precise float filled = area / max(cube_section(normal, offset), 1e-3);
+    precise float filled_least = area / max(cube_section(normal, furthest), 1e-3);
     // Half the slab is enough for a surface that fills its section: where the plane meets the cell's border, the other half
-    // lies in the neighbour, which may be a leaf of triangles and add nothing. What fills it in part must not count twice.
-    float part = min(filled, 1.0);
-    precise float crossed = clamp((high - low) / (SLAB_HALF * (2.0 - part * part)), 0.0, 1.0);
-    float slab_share = clamp((agreement - CLOUD_AGREEMENT) * (1.0 / 0.15), 0.0, 1.0);
-    precise float opacity = mix(cloud, crossed * part, folded || separated ? 0.0 : slab_share);
+    // lies in the neighbour, which may be a leaf of triangles and add nothing. What fills it in part must not count twice, and
+    // its slab lies inside the cell.
+    float part = min(separated ? filled_least : mix(filled, filled_least, min(filled, 1.0)), 1.0);
+    float slab_half = SLAB_HALF + spread;
+    float most = max(reach - slab_half, 0.0);
+    precise float centre = mix(clamp(offset, -most, most), offset, part * part);
+    // Heights along the ray's way. A ray that enters beside the surface, within the slab, met the slab's first part in the cell
+    // before; if that is shown otherwise (triangles, a thinner slab), it met nothing there.
+    float way = leave_height < enter_height ? -1.0 : 1.0;
+    precise float begin = way * centre - slab_half;
+    precise float low = max(way * enter_height, begin);
+    precise float high = min(way * leave_height, begin + 2.0 * slab_half);
+    float low_whole = way * enter_height <= way * offset - spread ? begin : low;
+    precise vec2 crossed = clamp((high - vec2(low, low_whole)) / (SLAB_HALF * (2.0 - part * part)), 0.0, 1.0);
+    // A separated cell is a slab only if it looks like a closed wall: of two sheets (leaves agree less, and more sheets have
+    // gaps between), or of one with things before or behind it, whose normals cancel.
+    precise float net = area * agreement / max(cube_section(normal, furthest), 1e-3);
+    float sheets = clamp((agreement - 0.94) * (1.0 / 0.04), 0.0, 1.0) * clamp(3.3 - 2.0 * filled, 0.0, 1.0);
+    float wall = (two_sided ? sheets : clamp((agreement - 0.55) * (1.0 / 0.15), 0.0, 1.0)) * clamp(4.0 * net - 3.0, 0.0, 1.0);
+    float slab_share = separated ? wall : clamp((agreement - CLOUD_AGREEMENT) * (1.0 / 0.15), 0.0, 1.0);
+    slab_share = folded ? 0.0 : slab_share;
+    precise float opacity = mix(cloud, crossed.x * part, slab_share);
+    precise float owed = mix(opacity, mix(cloud, crossed.y * part, slab_share), part * part);
     // What fills half of its plane's section or more, however rough, goes on beyond the cell.
-    precise float sheet = min(2.0 * agreement * filled, 1.0);
-    return Voxel_opacity(min(opacity, 1.0), separated && two_sided ? 0.0 : sheet);
+    precise float sheet = min(2.0 * agreement * filled, 1.0) * (separated && two_sided ? slab_share : 1.0);
+    return Voxel_opacity(min(opacity, 1.0), min(owed, 1.0), sheet);
 }

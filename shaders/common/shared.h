@@ -42,7 +42,10 @@
 // Payload of a node, 12 bytes (uvec3): what the cell looks like as one voxel.
 //   x  bits 0-9, 10-19, 20-29: red, green, blue, sRGB-encoded to 10 bits; bit 30: two-sided (opposed normals met);
 //      bit 31: separated (the surface lies apart from its mean plane: several sheets, or a volume of small things).
-//   y  bits 0-11, 12-23: octahedral unit normal, 2047 for 0; both GW_PAYLOAD_NO_NORMAL: meaningless, use the ray's; bits 24-31: length of the mean normal in 1/255 (1: flat, 0: all
+//   y  bits 0-11, 12-23: octahedral unit normal, 2047 for 0; of two-sided and separated voxels bits 0-8, 9-17: the same, 255
+//      for 0, 18-20: how far a separated one's surface lies from its mean plane (root mean square), 0.1 sides and 0.05 for
+//      each step, 21-23: how much more of a two-sided one faces one way than the other, in 1/7. All 24 set
+//      (GW_PAYLOAD_NO_NORMAL): no normal, use the ray's. Bits 24-31: length of the mean normal in 1/255 (1: flat, 0: all
 //      ways). Agreement GW_PAYLOAD_SOLID of a two-sided voxel is kept for octrees of payload_rule = seed: a solid voxel,
 //      whose area is its optical thickness (16: opaque).
 //   z  bits 0-11: area of the surface in the cell over the cell's face area, at most 16: area = 16 (code / 4095)^2, so that
@@ -56,6 +59,8 @@
 #define GW_PAYLOAD_NO_NORMAL 0xffffffu
 #define GW_PAYLOAD_HAS_NORMAL(y) (((y) & 0xffffffu) != GW_PAYLOAD_NO_NORMAL)
 #define GW_PAYLOAD_SOLID 252u
+#define GW_PAYLOAD_SPREAD_CODE(y) (((y) >> 18) & 7u)
+#define GW_PAYLOAD_ONE_SIDED_CODE(y) (((y) >> 21) & 7u)
 #define GW_PAYLOAD_AREA_CODE(z) ((z) & 0xfffu)
 #define GW_PAYLOAD_OFFSET_CODE(z) (((z) >> 12) & 0xffu)
 #define GW_PAYLOAD_ROUGHNESS_CODE(z) (((z) >> 20) & 0x3fu)

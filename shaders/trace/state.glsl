@@ -24,6 +24,7 @@ void state_save(uint slot) {
 #ifdef LOD
     states[at + 11u] = floatBitsToUint(child_share);
     states[at + 12u] = floatBitsToUint(leaf_share);
+    states[at + 14u] = floatBitsToUint(voxel_given);
 #endif
 #ifdef ALPHA
     states[at + 13u] = hit_flags;
@@ -53,6 +54,7 @@ void state_load(uint slot) {
     in_root = ((modes >> 27) & 1u) != 0u;
     child_share = uintBitsToFloat(states[at + 11u]);
     leaf_share = uintBitsToFloat(states[at + 12u]);
+    voxel_given = uintBitsToFloat(states[at + 14u]);
 #endif
 #ifdef ALPHA
     hit_flags = states[at + 13u];

@@ -11,6 +11,7 @@ bool walking;
 float lod_slope;          // grid units of accepted error per unit of t
 int voxel_scale;          // scale of the cell in voxel mode, 0: none
 float child_share;        // what its children count
+float voxel_given;        // what its own voxel added to the group's opacity
 float leaf_share;         // opacity of the triangles of the last leaf
 bool leaf_again;          // the leaf ahead has had its voxel composited: only its triangles count now
 int force_scale;          // when resuming: cells of this scale and above were already found to be walked into
@@ -46,9 +47,18 @@ void emit_voxel(uint index, float share, int s, float leave) {
     vec3 normal = payload_normal(payload);
     normal = mix(normal, -normal, bvec3((mirror & 1u) != 0u, (mirror & 2u) != 0u, (mirror & 4u) != 0u));
     Voxel_opacity voxel = payload_opacity(payload, normal, place_in_cell(cell_entry, s), place_in_cell(leave, s));
-    precise float opacity = share * voxel.opacity;
     begin_group_if_apart(cell_entry);
+    // What this cell's surface still owes: all that the cells before have not given. Its parent, of which it shows a share,
+    // stands for the same place and does not count.
+    bool child = scale == voxel_scale;
+    float before = group_opacity;
+    precise float given = before - (child ? voxel_given : 0.0);
+#ifdef SLABS_ALONE
+    given = 1.0; // the naive variant, for the test that shows why
+#endif
+    precise float opacity = share * max(voxel.opacity, voxel.owed - given);
     float weight = composite(opacity, voxel.sheet);
+    voxel_given = child ? voxel_given : group_opacity - before;
     group_end = max(group_end, leave);
     COUNT_VOXEL();
     if (weight > LEAST_WEIGHT)
@@ -150,7 +160,10 @@ void walk() {
                 leave_leaf();
             }
         } else {
-            event = met ? EVENT_VOXEL : event;
+            // A wall in the face between a leaf and a voxel: the voxel holds nothing of it, and its hit must not be dropped
+            // with the voxel for lying in its cell by rounding.
+            bool before = hit_t <= cell_entry * BESIDE;
+            event = met ? (before ? EVENT_HIT : EVENT_VOXEL) : event;
             event = !met && !leaf_again && hit_t <= cell_entry ? EVENT_HIT : event;
         }
     }

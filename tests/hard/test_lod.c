@@ -2,8 +2,6 @@
  * gazes of every kind give pictures. */
 #include "tests/support/check.h"
 
-#include "base/embedded.h"
-#include "base/file.h"
 #include "build/demo_scene.h"
 #include "tests/support/meshes.h"
 #include "tests/support/renders.h"
@@ -96,34 +94,10 @@ static void leak_of(const char *shaders, double relief, double *mean, double *wo
     *mean = sum / count;
 }
 
-/* The embedded shaders in a folder, with opacities of one surface multiplied instead of added. */
-static const char *multiplying_shaders(char path[512]) {
-    scratch_path(path, "multiplying");
-    for (size_t i = 0; i < gw_embedded_count; ++i) {
-        const gw_embedded_file *file = &gw_embedded_files[i];
-        if (strncmp(file->name, "shaders/", 8))
-            continue;
-        char *target = gw_path_join(path, file->name + 8), *folder = gw_path_folder(target);
-        check_ok(gw_make_directories(folder, &error));
-        int naive = !strcmp(file->name, "shaders/blend/opacity.glsl");
-        static const char define[] = "#define MULTIPLY_OPACITY 1\n";
-        size_t extra = naive ? sizeof define - 1 : 0;
-        char *text = malloc(file->size + extra + 1);
-        assert_non_null(text);
-        memcpy(text, define, extra);
-        memcpy(text + extra, file->data, file->size);
-        check_ok(gw_file_write(target, text, file->size + extra, &error));
-        free(text);
-        free(target);
-        free(folder);
-    }
-    return path;
-}
-
 static void walls_of_voxels_do_not_leak(void **state) {
     (void)state;
     char folder[512];
-    const char *naive = multiplying_shaders(folder);
+    const char *naive = gw_naive_shaders(folder, "multiplying", "blend/opacity.glsl", "MULTIPLY_OPACITY");
     static const double reliefs[] = {0.0, 0.003, 0.006, 0.012};
     double naive_most = 0.0, mean[4], worst[4];
     for (size_t i = 0; i < 4; ++i) {

@@ -1,7 +1,10 @@
 /* See renders.h. */
 #include "tests/support/renders.h"
 
+#include "base/embedded.h"
+#include "base/file.h"
 #include "base/srgb.h"
+#include "tests/support/check.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -114,6 +117,30 @@ gw_renderer *gw_stage_renderer(const gw_stage *stage) {
     gw_renderer *renderer = NULL;
     must(gw_renderer_create(stage->device, stage->scene, stage->octree, NULL, &renderer, &error), &error);
     return renderer;
+}
+
+const char *gw_naive_shaders(char path[512], const char *folder, const char *file, const char *define) {
+    char line[64], name[128];
+    size_t line_size = (size_t)snprintf(line, sizeof line, "#define %s 1\n", define);
+    snprintf(name, sizeof name, "shaders/%s", file);
+    scratch_path(path, folder);
+    for (size_t i = 0; i < gw_embedded_count; ++i) {
+        const gw_embedded_file *embedded = &gw_embedded_files[i];
+        if (strncmp(embedded->name, "shaders/", 8))
+            continue;
+        char *target = gw_path_join(path, embedded->name + 8), *parent = gw_path_folder(target);
+        size_t extra = strcmp(embedded->name, name) ? 0 : line_size;
+        char *text = malloc(embedded->size + extra + 1);
+        assert_non_null(text);
+        memcpy(text, line, extra);
+        memcpy(text + extra, embedded->data, embedded->size);
+        check_ok(gw_make_directories(parent, &error));
+        check_ok(gw_file_write(target, text, embedded->size + extra, &error));
+        free(text);
+        free(target);
+        free(parent);
+    }
+    return path;
 }
 
 double gw_mean_difference(const uint8_t *a, const uint8_t *b, size_t pixels) {

@@ -43,6 +43,10 @@ gw_code gw_camera_picture(const gw_camera *camera, gw_renderer *renderer, uint8_
 uint8_t *gw_camera_take(const gw_camera *camera, gw_renderer *renderer, gw_counters *counters);
 gw_renderer *gw_stage_renderer(const gw_stage *stage);
 
+/* The embedded shaders in a folder of this name, "#define NAME 1" before one of them ("blend/opacity.glsl"):
+ * naive variants for tests that show why the shipped one is another. Returns path, the folder. */
+const char *gw_naive_shaders(char path[512], const char *folder, const char *file, const char *define);
+
 /* Mean over pixels and channels of the difference, in 1/255. */
 double gw_mean_difference(const uint8_t *a, const uint8_t *b, size_t pixels);
 /* Mean linear value of the colour channels, 0..1. */

@@ -72,10 +72,23 @@ static int cross_triangle(const gw_scene *scene, uint32_t triangle, const gw_ray
 }
 
 typedef struct verdicts {
-    uint32_t differ, ours_right, border, unexplained;
+    uint32_t differ, ours_right, border, unexplained; /* the first rays of each that differ are listed */
     uint32_t other_triangle; /* the same distance in another triangle that the ray meets there too: a shared
                                 edge, a copy */
 } verdicts;
+
+enum { LISTED = 10 }; /* rounding cases of each kind and scene */
+
+static void list_ray(const char *kind, uint32_t number, const gw_ray *ray, const gw_hit *ours, float theirs,
+                     double nearest) {
+    if (number <= LISTED)
+        print_message(
+            "%s: from %.9g %.9g %.9g to %.9g %.9g %.9g: ours %.9g (triangle %u), Embree %.9g, double "
+            "%.17g\n",
+            kind, (double)ray->origin[0], (double)ray->origin[1], (double)ray->origin[2],
+            (double)ray->direction[0], (double)ray->direction[1], (double)ray->direction[2], (double)ours->t,
+            ours->triangle, (double)theirs, nearest);
+}
 
 /* Judges one ray on which both sides differ. Ours is right when it is the nearest double hit; the case is a
  * border when some triangle at or before either hit has the ray within the band of its edges or grazes it. */
@@ -97,15 +110,12 @@ static void judge(const gw_scene *scene, const gw_ray *ray, const gw_hit *ours, 
     double own = ours->triangle == GW_NO_TRIANGLE ? INFINITY : ours->t;
     v->differ++;
     if ((isinf(own) && isinf(nearest)) || fabs(own - nearest) <= DISTANCE_BAND * nearest + DISTANCE_FLOOR)
-        v->ours_right++;
+        list_ray("ours is the double result", ++v->ours_right, ray, ours, theirs, nearest);
     else if (border)
-        v->border++;
+        list_ray("on a border", ++v->border, ray, ours, theirs, nearest);
     else {
         v->unexplained++;
-        print_message("unexplained: from %.9g %.9g %.9g to %.9g %.9g %.9g: ours %.9g (triangle %u), Embree "
-                      "%.9g, double %.17g\n",
-                      ray->origin[0], ray->origin[1], ray->origin[2], ray->direction[0], ray->direction[1],
-                      ray->direction[2], own, ours->triangle, theirs, nearest);
+        list_ray("unexplained", 0, ray, ours, theirs, nearest);
     }
 }
 

@@ -8,6 +8,7 @@
 #include "wall/console.h"
 #include "wall/model.h"
 #include "wall/options.h"
+#include "wall/plot.h"
 
 #include <jansson.h>
 #include <stddef.h>
@@ -47,6 +48,9 @@ gw_code gw_bench_rebuild(gw_bench *bench, gw_error *error);
 /* A camera path in the modes of Weier et al. 2014, Table 3, and how much of their error is seen. */
 gw_code gw_bench_modes_run(gw_bench *bench, gw_error *error);
 
+/* Walls of 1 to 35 panels, full against foveated; rays in scenes of 10 thousand to 10 million triangles. */
+gw_code gw_bench_scale(gw_bench *bench, gw_error *error);
+
 /* Many models at once, each with its own octree and renderer on one device. */
 gw_code gw_bench_resident(gw_bench *bench, gw_error *error);
 
@@ -76,5 +80,8 @@ gw_code gw_bench_measure(const gw_bench *bench, const gw_scene *scene, const gw_
 /* Writes FOLDER/NAME.csv from text and FOLDER/NAME.json from the report, if there is a folder. */
 gw_code gw_bench_write(const gw_bench *bench, const char *name, const char *rows, size_t size,
                        gw_error *error);
+
+/* Writes FOLDER/NAME.svg. */
+gw_code gw_bench_plot(const gw_bench *bench, const char *name, const gw_plot *plot, gw_error *error);
 
 #endif

@@ -2,9 +2,6 @@
  * by formula from 10 thousand to 10 million of them. */
 #include "wall/bench.h"
 
-#include "base/file.h"
-#include "wall/picture.h"
-#include "wall/plot.h"
 #include "wall/report.h"
 #include "wall/rock.h"
 
@@ -77,13 +74,12 @@ static gw_code measure(gw_bench *bench, growth *g, gw_error *error) {
 }
 
 /* Curves of quantities first..last-1 divided by `unit`, and a straight line through the first point of the
- * first, as FOLDER/growth-NAME.svg. */
+ * first, as FOLDER/NAME.svg. */
 static gw_code write_plot(const gw_bench *bench, const growth *g, const char *name, const char *y_label,
                           int first, int last, double unit, gw_error *error) {
     double scaled[QUANTITIES][SIZE_COUNT], straight[SIZE_COUNT];
     gw_plot_series series[QUANTITIES + 1];
-    size_t at = 0, size = 0;
-    char *svg = NULL, *path = gw_picture_path(bench->out, "growth-%s.svg", name);
+    size_t at = 0;
     for (int q = first; q < last; q++, at++) {
         for (size_t i = 0; i < g->count; i++)
             scaled[at][i] = g->quantities[q][i] / unit;
@@ -94,18 +90,12 @@ static gw_code write_plot(const gw_bench *bench, const growth *g, const char *na
         straight[i] = scaled[0][0] * g->triangles[i] / g->triangles[0];
     series[at++] = (gw_plot_series){
         .name = "in proportion", .x = g->triangles, .y = straight, .count = g->count, .dashed = 1};
-    gw_plot plot = {.title = "Octree build of a rock",
-                    .x_label = "triangles",
-                    .y_label = y_label,
-                    .series = series,
-                    .series_count = at};
-    gw_code code = path ? gw_plot_svg(&plot, &svg, &size, error)
-                        : gw_fail(error, GW_MACHINE, "memory is out while naming results");
-    if (code == GW_OK)
-        code = gw_file_write(path, svg, size, error);
-    free(svg);
-    free(path);
-    return code;
+    const gw_plot plot = {.title = "Octree build of a rock",
+                          .x_label = "triangles",
+                          .y_label = y_label,
+                          .series = series,
+                          .series_count = at};
+    return gw_bench_plot(bench, name, &plot, error);
 }
 
 static gw_code write_results(gw_bench *bench, const growth *g, gw_error *error) {
@@ -127,9 +117,9 @@ static gw_code write_results(gw_bench *bench, const growth *g, gw_error *error) 
     gw_code code = gw_bench_write(bench, "growth", text, size, error);
     free(text);
     if (code == GW_OK && bench->out)
-        code = write_plot(bench, g, "time", "seconds", TOTAL_MS, QUANTITIES, 1000, error);
+        code = write_plot(bench, g, "growth-time", "seconds", TOTAL_MS, QUANTITIES, 1000, error);
     if (code == GW_OK && bench->out)
-        code = write_plot(bench, g, "bytes", "MB", BYTES, TOTAL_MS, 1e6, error);
+        code = write_plot(bench, g, "growth-bytes", "MB", BYTES, TOTAL_MS, 1e6, error);
     return code;
 }
 

@@ -1,10 +1,6 @@
 /* See bench_modes.h: what `bench modes` tells. */
 #include "wall/bench_modes.h"
 
-#include "base/file.h"
-#include "wall/picture.h"
-#include "wall/plot.h"
-
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -133,8 +129,6 @@ static gw_code write_rows(const gw_bench_modes *m, gw_error *error) {
 static gw_code write_plot(const gw_bench_modes *m, gw_error *error) {
     double frames[GW_MODES_FRAMES];
     gw_plot_series series[GW_MODE_COUNT];
-    char *svg = NULL, *path = gw_picture_path(m->bench->out, "modes-time.svg");
-    size_t size = 0;
     for (uint32_t s = 0; s < m->stations; s++)
         frames[s] = s + 1;
     for (int i = 0; i < GW_MODE_COUNT; i++)
@@ -145,13 +139,7 @@ static gw_code write_plot(const gw_bench_modes *m, gw_error *error) {
                           .y_label = "ms",
                           .series = series,
                           .series_count = GW_MODE_COUNT};
-    gw_code code = path ? gw_plot_svg(&plot, &svg, &size, error)
-                        : gw_fail(error, GW_MACHINE, "memory is out while naming results");
-    if (!code)
-        code = gw_file_write(path, svg, size, error);
-    free(svg);
-    free(path);
-    return code;
+    return gw_bench_plot(m->bench, "modes-time", &plot, error);
 }
 
 gw_code gw_modes_write(gw_bench_modes *m, gw_error *error) {

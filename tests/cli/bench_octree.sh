@@ -36,6 +36,18 @@ for plot in time bytes; do
     is "the plot of $plot is well-formed" "$(python3 -c 'import sys, xml.dom.minidom
 print(xml.dom.minidom.parse(sys.argv[1]).documentElement.tagName)' "$folder/results/growth-$plot.svg" 2>&1)" svg
 done
+expect "walls of more and more tiles" 0 "for each doubling" bench scale --quick --scene "$folder/sheet.obj" --set octree_depth=10 \
+    --out "$folder/results"
+is "every tile of four walls" "$(wc -l <"$folder/results/scale.csv")" 57
+is "the larger the wall, the smaller the share of the rays" \
+    "$(json "$folder/results/scale.json" '["bench"]["walls"][3]["share"]["rays"] < 0.3 < d["bench"]["walls"][1]["share"]["rays"]')" True
+is "a full frame has a ray for each pixel" \
+    "$(json "$folder/results/scale.json" '["bench"]["walls"][3]["full"]["rays"] == 35 * 240 * 135')" True
+is "a ray's work grows with the logarithm" \
+    "$(json "$folder/results/scale.json" '["bench"]["growth"]["fits"]["node_loads"]["determination"] > 0.9')" True
+is "far below any root" \
+    "$(json "$folder/results/scale.json" '["bench"]["growth"]["fits"]["node_loads"]["exponent"] < 0.2')" True
+is "plotted" "$(grep -c "</svg>" "$folder/results/scale-growth.svg" "$folder/results/scale-tiles.svg" | cut -d: -f2 | tr -d "\n")" 11
 expect "a scene for growth" 2 "makes its own scenes" bench growth --scene a.obj
 
 # --- resident: every model has the picture that it has alone

@@ -70,6 +70,8 @@
            "rays of a pixel where the viewer sees it sharp, at fixed places in it")                                    \
     GW_ROW(accumulate, INTEGER, 1, 1, 256, "", FRAME, "samples", "jagged and shimmering edges against rays", "256",      \
            "samples of a still view that are added up, one a frame; 1: every frame stands for itself")                 \
+    GW_ROW(strain, REAL, 1.0, 1.0, 16.0, "", FRAME, "times", "what the acuity model calls invisible against cost", "1",    \
+           "coarser than viewers resolve: tau * strain^(1/4), gaze_margin / strain, acuity_slope and sample_block * strain") \
     GW_ROW(level_blend, SWITCH, 1, 0, 1, "", FRAME, "", "visible level steps against cost", "on",                      \
            "blend a voxel with its children where the footprint lies between two levels")                              \
     GW_ROW(leaf_blend, SWITCH, 1, 0, 1, "", FRAME, "", "visible triangle-to-voxel steps against cost", "on",           \

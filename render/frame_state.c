@@ -1,6 +1,8 @@
 /* See frame_state.h. */
 #include "render/frame_state.h"
 
+#include <math.h>
+
 void gw_frame_state_apply(gw_frame_state *state, const gw_settings *settings) {
     state->tau = (float)settings->tau;
     state->tau_inside = (float)settings->tau_inside;
@@ -23,6 +25,21 @@ void gw_frame_state_apply(gw_frame_state *state, const gw_settings *settings) {
     state->samples = (uint8_t)settings->samples;
     state->triangle_precision = (uint8_t)settings->triangle_precision;
     state->accumulate = (uint16_t)settings->accumulate;
+    state->strain = (float)settings->strain;
+}
+
+gw_frame_state gw_frame_state_in_force(const gw_frame_state *state) {
+    enum { LARGEST_BLOCK = 4 };
+    gw_frame_state drawn = *state;
+    const float most = GW_MAXIMUM_STRAIN;
+    const float strain = state->strain > 1.0f ? state->strain < most ? state->strain : most : 1.0f;
+    drawn.strain = 1.0f;
+    drawn.tau *= sqrtf(sqrtf(strain)); /* exactly rounded, so the same on every host */
+    drawn.gaze_margin /= strain;
+    drawn.acuity_slope *= strain;
+    for (float q = 2.0f; q <= strain && drawn.sample_block < LARGEST_BLOCK; q *= 2.0f)
+        drawn.sample_block++;
+    return drawn;
 }
 
 gw_frame_state gw_frame_state_view(const gw_frame_state *state, int scene_moves) {

@@ -40,8 +40,12 @@ typedef struct gw_frame_state {
     uint32_t epoch;
     uint16_t accumulate;
     uint16_t reserved; /* 0 */
+    /* How far tau, gaze_margin, acuity_slope and sample_block are strained to be faster: 1, as they stand, to
+     * GW_MAXIMUM_STRAIN. See gw_frame_state_in_force(). */
+    float strain;
+    uint32_t unused; /* 0 */
 } gw_frame_state;
-_Static_assert(offsetof(gw_frame_state, reserved) + sizeof(uint16_t) == sizeof(gw_frame_state),
+_Static_assert(offsetof(gw_frame_state, unused) + sizeof(uint32_t) == sizeof(gw_frame_state),
                "no holes, so that states can be compared as bytes");
 _Static_assert(sizeof(gw_frame_state) < 512, "the frame state travels in one small message");
 
@@ -60,10 +64,18 @@ typedef enum gw_debug_view {
     GW_DEBUG_VIEWS
 } gw_debug_view;
 
-enum { GW_MAXIMUM_ACCUMULATION = 256 };
+enum { GW_MAXIMUM_ACCUMULATION = 256, GW_MAXIMUM_STRAIN = 16 };
 
 /* Copies the FRAME settings into the state; accumulate is the number of samples to draw at once. */
 void gw_frame_state_apply(gw_frame_state *state, const gw_settings *settings);
+
+/* The state that is drawn: with strain q, and strain 1 in it,
+ *   tau * q^(1/4)       the footprint that it multiplies grows with acuity_slope already
+ *   gaze_margin / q
+ *   acuity_slope * q    so the periphery pays and the centre of gaze does not
+ *   sample_block * 2^floor(log2 q), at most 16
+ * What is inside an ellipse stays as it is, and without any gaze everything does. */
+gw_frame_state gw_frame_state_in_force(const gw_frame_state *state);
 
 /* What the samples of a frame depend on, in one form: two states with equal bytes of it show the same view,
  * to the bit. Without what only names the frame (number, epoch, accumulate), without the time unless the

@@ -233,8 +233,9 @@ static gw_code accumulate(gw_frame_job *job, const gw_similarity *placement, con
 }
 
 gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement, const gw_plane *plane,
-                          const gw_rectangle *rectangle, const gw_frame_state *state, uint8_t *rgba,
+                          const gw_rectangle *rectangle, const gw_frame_state *given, uint8_t *rgba,
                           gw_counters *counters, gw_error *error) {
+    const gw_frame_state drawn = gw_frame_state_in_force(given), *state = &drawn;
     gw_frame_job job = {.renderer = renderer,
                         .rectangle = rectangle,
                         .state = state,
@@ -256,8 +257,9 @@ gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement,
 }
 
 gw_code gw_renderer_count_rays(gw_renderer *renderer, const gw_similarity *placement, const gw_plane *plane,
-                               const gw_rectangle *rectangle, const gw_frame_state *state, uint64_t *rays,
+                               const gw_rectangle *rectangle, const gw_frame_state *given, uint64_t *rays,
                                gw_error *error) {
+    const gw_frame_state drawn = gw_frame_state_in_force(given), *state = &drawn;
     gw_frame_job job = {.renderer = renderer, .rectangle = rectangle};
     gw_code code = begin_frame(&job, placement, plane, state, error);
     if (!code && (job.key.features & GW_FEATURE_SPARSE))

@@ -10,9 +10,9 @@ static double along(const double point[3], const float axis[4]) {
     return point[0] * (double)axis[0] + point[1] * (double)axis[1] + point[2] * (double)axis[2];
 }
 
-/* Spacing of samples, ray units, that the viewer cannot tell apart at a point: acuity_of() of
- * shaders/trace/gaze.glsl in double. */
-static double spacing_of(const gw_frame_block *block, const gw_viewer *viewer, const double point[3]) {
+/* Degrees that a point lies outside the viewer's ellipse, less than 0 inside, and its distance: as
+ * acuity_of() of shaders/trace/gaze.glsl, in double. */
+static double outside_of(const gw_viewer *viewer, const double point[3], double *distance) {
     double towards[3];
     for (int i = 0; i < 3; ++i)
         towards[i] = point[i] - (double)viewer->eye[i];
@@ -24,9 +24,16 @@ static double spacing_of(const gw_frame_block *block, const gw_viewer *viewer, c
            half_height = fmax((double)viewer->right[3], 1e-3);
     double spread = sqrt(x / half_width * (x / half_width) + y / half_height * (y / half_height));
     double half_angle = spread > 0 ? across / spread : half_height;
-    double blurred = fmax(eccentricity - half_angle - (double)block->accuracy[3], 0);
+    *distance = sqrt(gw_dot(towards, towards));
+    return eccentricity - half_angle;
+}
+
+/* Spacing of samples, ray units, that the viewer cannot tell apart at a point. */
+static double spacing_of(const gw_frame_block *block, const gw_viewer *viewer, const double point[3]) {
+    double distance, outside = outside_of(viewer, point, &distance);
+    double blurred = fmax(outside - (double)block->accuracy[3], 0);
     double pitch = 0.5 * ((double)block->acuity[1] + (double)block->acuity[0] * blurred) * (GW_PI / 180.0);
-    return sqrt(gw_dot(towards, towards)) * fmin(pitch, 1.0);
+    return distance * fmin(pitch, 1.0);
 }
 
 /* Width of a pixel's step as seen from the rendering eye in the direction of point. */
@@ -39,12 +46,29 @@ static double step_width(const float step[4], const double point[3]) {
     return sqrt(sum);
 }
 
+static void point_at(const gw_frame_block *block, double x, double y, double out[3]) {
+    for (int i = 0; i < 3; ++i)
+        out[i] = (double)block->corner[i] + (double)block->step_x[i] * x + (double)block->step_y[i] * y;
+}
+
 double gw_sparse_spacing(const gw_frame_block *block, double x, double y) {
     double point[3], least = INFINITY;
-    for (int i = 0; i < 3; ++i)
-        point[i] = (double)block->corner[i] + (double)block->step_x[i] * x + (double)block->step_y[i] * y;
+    point_at(block, x, y, point);
     for (uint32_t i = 0; i < block->counts[0]; ++i)
         least = fmin(least, spacing_of(block, &block->viewers[i], point));
     double width = fmax(step_width(block->step_x, point), step_width(block->step_y, point));
     return width > 0 ? least / width : 0;
+}
+
+double gw_sparse_tau(const gw_frame_block *block, double x, double y) {
+    const double tau = (double)block->accuracy[0], inside = (double)block->accuracy[1],
+                 blend = (double)block->accuracy[2];
+    double point[3], distance, least = INFINITY;
+    point_at(block, x, y, point);
+    for (uint32_t i = 0; i < block->counts[0]; ++i) {
+        double outside = outside_of(&block->viewers[i], point, &distance);
+        double ramp = blend > 0 ? fmin(fmax(outside / blend, 0), 1) : outside > 0;
+        least = fmin(least, inside + (tau - inside) * (ramp * ramp * (3 - 2 * ramp)));
+    }
+    return block->counts[0] > 0 ? least : inside;
 }

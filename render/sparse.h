@@ -9,4 +9,7 @@
  * whole); INFINITY when nobody's gaze is known. */
 double gw_sparse_spacing(const gw_frame_block *block, double x, double y);
 
+/* The smallest tau that a viewer calls for there; tau_inside when nobody's gaze is known. */
+double gw_sparse_tau(const gw_frame_block *block, double x, double y);
+
 #endif

@@ -55,6 +55,8 @@ static gw_code read_track(gw_conductor *conductor, const struct gw_rank *rank, g
 static gw_code choose_source(gw_conductor *conductor, const struct gw_rank *rank, gw_error *error) {
     const gw_sim_options *options = &rank->options;
     conductor->frame_count = options->frames ? options->frames : 1;
+    gw_budget_init(&conductor->budget, options->budget_ms, options->budget_rays,
+                   options->draw.settings.strain);
     conductor->first_time = (int64_t)(options->draw.time * 1e9);
     conductor->step = options->step > 0 ? (int64_t)(options->step * 1e9) : 0;
     if (options->states) {
@@ -81,7 +83,8 @@ static gw_code open_rows(gw_conductor *conductor, const char *folder, gw_error *
     free(path);
     if (!code)
         fputs("frame,presented_ms,time_s,eye_x_mm,eye_y_mm,eye_z_mm,gazes,gaze_x,gaze_y,gaze_z,gaze_age_s,"
-              "gaze_confidence,tau,tau_inside,epoch,accumulate,rays,frame_ms,slowest_tile_ms,late_tiles,lost_"
+              "gaze_confidence,tau,tau_inside,epoch,accumulate,strain,gaze_margin,acuity_slope,sample_block,"
+              "error_worst,error_mean,rays,frame_ms,slowest_tile_ms,late_tiles,lost_"
               "tiles\n",
               conductor->rows);
     return code;
@@ -149,7 +152,7 @@ gw_code gw_conductor_describe(gw_conductor *conductor, const struct gw_rank *ran
 /* --- a frame
  * ---------------------------------------------------------------------------------------------------- */
 
-static void make_state(const gw_conductor *conductor, const struct gw_rank *rank, uint32_t frame,
+static void make_state(gw_conductor *conductor, const struct gw_rank *rank, uint32_t frame,
                        gw_frame_state *state) {
     const gw_draw_options *draw = &rank->options.draw;
     if (conductor->recorded.count) {
@@ -165,6 +168,8 @@ static void make_state(const gw_conductor *conductor, const struct gw_rank *rank
                        rank->options.gaze == GW_GAZE_AT_PIXEL ? conductor->stare : NULL, &draw->settings);
         state->time = time;
     }
+    if (gw_budget_is_on(&conductor->budget))
+        state->strain = gw_budget_strain(&conductor->budget);
     gw_frame_accumulate(state, frame ? &conductor->states[frame - 1] : NULL, conductor->scene_moves);
 }
 
@@ -202,6 +207,7 @@ static void note_loss(gw_conductor *conductor, const struct gw_rank *rank, uint3
 static gw_code add_up(gw_conductor *conductor, const struct gw_rank *rank, const gw_done *own, uint32_t frame,
                       const uint8_t **pixels, gw_counters *sum, double *slowest, gw_error *error) {
     memset(sum, 0, sizeof *sum);
+    memset(&conductor->seen, 0, sizeof conductor->seen);
     *slowest = 0;
     for (uint32_t i = 0; i < rank->layout.tile_count; i++) {
         const gw_gate_tile *tile = i ? gw_gate_tile_of(conductor->gate, i) : NULL;
@@ -218,20 +224,25 @@ static gw_code add_up(gw_conductor *conductor, const struct gw_rank *rank, const
         double milliseconds = (double)done->render_ns * 1e-6;
         *slowest = milliseconds > *slowest ? milliseconds : *slowest;
         gw_counters_add(sum, &done->counters);
+        gw_predicted_error_add(&conductor->seen, &done->predicted);
+        gw_budget_note(&conductor->budget, i, done);
     }
+    gw_predicted_error_add(&conductor->predicted, &conductor->seen);
     return GW_OK;
 }
 
 static void write_row(gw_conductor *conductor, uint32_t frame, const gw_counters *sum, double presented,
                       double slowest) {
-    const gw_frame_state *s = &conductor->states[frame];
+    const gw_frame_state *s = &conductor->states[frame], knobs = gw_frame_state_in_force(s);
     const gw_gaze *g = &s->gazes[0]; /* all zero when there is none */
     fprintf(conductor->rows,
             "%" PRIu32 ",%.3f,%.9f,%.9g,%.9g,%.9g,%" PRIu32 ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%" PRIu32
-            ",%d,%" PRIu64 ",%.3f,%.3f,0,%" PRIu32 "\n",
+            ",%d,%.9g,%.9g,%.9g,%d,%.6g,%.6g,%" PRIu64 ",%.3f,%.3f,0,%" PRIu32 "\n",
             s->frame, presented, (double)s->time * 1e-9, s->eye[0], s->eye[1], s->eye[2], s->gaze_count,
             (double)g->direction[0], (double)g->direction[1], (double)g->direction[2], (double)g->age,
-            (double)g->confidence, (double)s->tau, (double)s->tau_inside, s->epoch, s->accumulate, sum->rays,
+            (double)g->confidence, (double)knobs.tau, (double)knobs.tau_inside, s->epoch, s->accumulate,
+            (double)s->strain, (double)knobs.gaze_margin, (double)knobs.acuity_slope, 1 << knobs.sample_block,
+            conductor->seen.worst, gw_predicted_error_mean(&conductor->seen), sum->rays,
             conductor->milliseconds[frame], slowest, conductor->lost_count);
     fflush(conductor->rows);
 }
@@ -295,6 +306,7 @@ static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_
                           gw_error *error) {
     gw_release release = {.kind = GW_RELEASE_FRAME, .last = frame + 1 == conductor->frame_count};
     release.pixels = release.last || rank->options.out;
+    release.predict = release.last || rank->options.out || gw_budget_is_on(&conductor->budget);
     make_state(conductor, rank, frame, &release.state);
     conductor->states[frame] = release.state;
     int64_t begin = gw_now_ns();
@@ -321,6 +333,8 @@ static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_
     if (code)
         return code;
     gw_counters_add(&conductor->counters, &sum);
+    if (gw_budget_is_on(&conductor->budget))
+        gw_budget_decide(&conductor->budget, &release.state);
     if (conductor->rows)
         write_row(conductor, frame, &sum, (double)(end - start) * 1e-6, slowest);
     promise(rank, 0, 4 * wall);
@@ -362,6 +376,13 @@ static void sum_up(const gw_conductor *conductor, struct gw_rank *rank) {
     print(rank, "rays     %.2f million, %.2f per pixel, %.2f million a second",
           (double)conductor->counters.rays * 1e-6, (double)conductor->counters.rays / pixels,
           (double)conductor->counters.rays * 1e-3 / total);
+    const gw_budget *budget = &conductor->budget;
+    if (gw_budget_is_on(budget))
+        print(rank, "budget   %g %s a frame, exceeded in %" PRIu32 " of %" PRIu32 " frames",
+              budget->rays > 0 ? budget->rays : budget->milliseconds, budget->rays > 0 ? "rays" : "ms",
+              budget->over, budget->frames);
+    print(rank, "error    outside the gaze %.1f times coarser than viewers resolve at worst, %.2f on average",
+          conductor->predicted.worst, gw_predicted_error_mean(&conductor->predicted));
     if (out && !conductor->lost_count)
         print(rank,
               "look at  %s/wall.png (the wall), %s/wall-bezels.png (as it hangs), tile-*.png (one per rank), "
@@ -381,6 +402,9 @@ static gw_code finish(gw_conductor *conductor, struct gw_rank *rank, gw_error *e
     gw_report_tiles(conductor->report, &rank->layout, conductor->lost_frame);
     gw_report_frames(conductor->report, conductor->milliseconds, conductor->frame_count);
     gw_report_counters(conductor->report, &conductor->counters);
+    const gw_frame_state *last = &conductor->states[conductor->frame_count - 1];
+    gw_report_predicted_error(conductor->report, &conductor->predicted, last,
+                              gw_budget_json(&conductor->budget));
     if (!code)
         code = gw_renderer_report(rank->renderer, conductor->report, error);
     if (!code && options->draw.report) {
@@ -397,7 +421,10 @@ gw_code gw_conductor_run(gw_conductor *conductor, struct gw_rank *rank, gw_error
     gw_code code = GW_OK;
     int64_t start = gw_now_ns();
     for (uint32_t frame = 0; frame < conductor->frame_count && !code; frame++) {
-        gw_log_progress(&rank->line.log, "drawing frames", (double)frame / conductor->frame_count);
+        char text[64] = "drawing frames";
+        if (conductor->seen.places)
+            snprintf(text, sizeof text, "drawing frames, error %.1f times", conductor->seen.worst);
+        gw_log_progress(&rank->line.log, text, (double)frame / conductor->frame_count);
         code = draw_frame(conductor, rank, frame, start, error);
     }
     promise(rank, patience_of(conductor, rank, 0), 0);

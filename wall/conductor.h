@@ -5,6 +5,7 @@
 
 #include "base/status.h"
 #include "tracking/track.h"
+#include "wall/budget.h"
 #include "wall/frames.h"
 #include "wall/gate.h"
 
@@ -27,6 +28,9 @@ typedef struct gw_conductor {
     int64_t lost_frame[GW_MAXIMUM_TILES]; /* -1: not lost */
     uint32_t lost_count;
     gw_counters counters;           /* of all tiles and frames */
+    gw_budget budget;               /* of --budget, --budget-rays */
+    gw_predicted_error predicted;   /* of all tiles, in all frames for which it was asked */
+    gw_predicted_error seen;        /* of the last such frame */
     char *scene_line, *octree_line; /* for the summary */
     gw_gate *gate;
     FILE *rows; /* frames.csv, or NULL */

@@ -33,6 +33,7 @@ static const float_field float_fields[] = {
     {"fold_agreement", offsetof(gw_frame_state, fold_agreement), 1},
     {"least_remainder", offsetof(gw_frame_state, least_remainder), 0.25},
     {"separated_tau", offsetof(gw_frame_state, separated_tau), 1},
+    {"strain", offsetof(gw_frame_state, strain), GW_MAXIMUM_STRAIN},
 };
 
 typedef struct byte_field {

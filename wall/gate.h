@@ -10,6 +10,7 @@
 
 #include "base/status.h"
 #include "render/frame_state.h"
+#include "render/predicted_error.h"
 #include "render/renderer.h"
 #include "wall/layout.h"
 
@@ -19,9 +20,9 @@ typedef enum gw_release_kind { GW_RELEASE_FRAME, GW_RELEASE_QUIT } gw_release_ki
 
 typedef struct gw_release {
     uint32_t kind;
-    uint32_t last;   /* 1: the last frame of the run */
-    uint32_t pixels; /* 1: the answer's pixels are wanted */
-    uint32_t reserved;
+    uint32_t last;    /* 1: the last frame of the run */
+    uint32_t pixels;  /* 1: the answer's pixels are wanted */
+    uint32_t predict; /* 1: the predicted error is wanted */
     gw_frame_state state;
 } gw_release;
 
@@ -31,6 +32,7 @@ typedef struct gw_done {
     int32_t code;      /* gw_code; not 0: text says why, and no pixels follow */
     int64_t render_ns; /* time in gw_renderer_frame */
     gw_counters counters;
+    gw_predicted_error predicted; /* of its tile, if it was wanted */
     char text[sizeof((gw_error *)0)->text];
 } gw_done;
 

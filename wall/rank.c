@@ -59,6 +59,9 @@ void gw_rank_draw(gw_rank *rank, const gw_release *release, gw_done *done) {
     gw_code code = gw_renderer_frame(rank->renderer, &rank->placement, &tile->plane, &tile->rectangle,
                                      &release->state, rank->pixels, &done->counters, &error);
     done->render_ns = gw_now_ns() - begin;
+    if (!code && release->predict)
+        code = gw_predict_error(&rank->share.scene.scene, &rank->share.octree, &rank->placement, &tile->plane,
+                                &tile->rectangle, &release->state, &done->predicted, &error);
     if (!code && rank->options.out)
         code = write_own_pictures(rank, release, &error);
     done->code = (int32_t)code;

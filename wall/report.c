@@ -197,6 +197,20 @@ void gw_report_counters(json_t *report, const gw_counters *c) {
                                   count(c->resumed)));
 }
 
+void gw_report_predicted_error(json_t *report, const gw_predicted_error *predicted,
+                               const gw_frame_state *last, json_t *budget) {
+    const gw_frame_state knobs = gw_frame_state_in_force(last);
+    json_t *in_force = json_pack("{s:f, s:f, s:f, s:f, s:i, s:o, s:i}", "strain", (double)last->strain, "tau",
+                                 (double)knobs.tau, "gaze_margin", (double)knobs.gaze_margin, "acuity_slope",
+                                 (double)knobs.acuity_slope, "sample_block", 1 << knobs.sample_block, "epoch",
+                                 count(last->epoch), "accumulate", (int)last->accumulate);
+    json_object_set_new(report, "predicted_error",
+                        json_pack("{s:f, s:f, s:o, s:o, s:o}", "worst",
+                                  predicted->places ? predicted->worst : 1.0, "mean",
+                                  gw_predicted_error_mean(predicted), "places", count(predicted->places),
+                                  "in_force", in_force, "budget", budget));
+}
+
 void gw_report_track(json_t *report, const gw_track *track) {
     const gw_track_counters *c = &track->counters;
     json_object_set_new(report, "tracking",

@@ -10,6 +10,7 @@
 #include "base/status.h"
 #include "build/octree.h"
 #include "build/scene.h"
+#include "render/predicted_error.h"
 #include "render/renderer.h"
 #include "tracking/track.h"
 #include "wall/build_together.h"
@@ -33,6 +34,10 @@ void gw_report_builders(json_t *report, const gw_together *who);
 uint64_t gw_triangle_bytes(const gw_scene *scene);
 void gw_report_settings(json_t *report, const gw_settings *settings);
 void gw_report_counters(json_t *report, const gw_counters *counters);
+/* What was predicted over the run, the knobs in force in its last frame, and the budget (taken; may be null).
+ */
+void gw_report_predicted_error(json_t *report, const gw_predicted_error *predicted,
+                               const gw_frame_state *last, json_t *budget);
 void gw_report_track(json_t *report, const gw_track *track);
 
 /* lost_frame[i] is the frame at which tile i was lost, or -1. */

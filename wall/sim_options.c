@@ -81,6 +81,8 @@ enum {
     KEY_STEP,
     KEY_GAZE,
     KEY_NO_GAZE,
+    KEY_BUDGET,
+    KEY_BUDGET_RAYS,
     KEY_LOAD_DEADLINE,
     KEY_FRAME_DEADLINE,
     KEY_BUILDERS,
@@ -113,6 +115,10 @@ static const struct argp_option sim_options[] = {
      "0 to 3600 s from frame to frame; default: the frames spread over the track", 2},
     {"states", KEY_STATES, "FILE", 0, "repeat recorded frame states instead of a track", 2},
     {"save-states", KEY_SAVE_STATES, "FILE", 0, "record the frame states, one per frame", 2},
+    {"budget", KEY_BUDGET, "MS", 0,
+     "0.1 to 60000 ms: strain sharpness outside the gaze so that no tile takes longer for a frame", 2},
+    {"budget-rays", KEY_BUDGET_RAYS, "N", 0,
+     "1 to 1e12: the same by rays of a frame of the whole wall; equal runs decide alike", 2},
     {NULL, 0, NULL, 0, "Results:", 3},
     {"out", KEY_OUT, "FOLDER", 0,
      "write pictures of the wall with and without bezels and of every tile, and frames.csv; made if missing",
@@ -191,6 +197,10 @@ static gw_code parse_frames(int key, const char *argument, gw_sim_options *optio
     case KEY_GAZE:
         options->gaze = GW_GAZE_AT_PIXEL;
         return gw_parse_numbers("--gaze", argument, 2, options->gaze_pixel, error);
+    case KEY_BUDGET:
+        return gw_parse_number("--budget", argument, 0.1, 60000, &options->budget_ms, error);
+    case KEY_BUDGET_RAYS:
+        return gw_parse_number("--budget-rays", argument, 1, 1e12, &options->budget_rays, error);
     case KEY_LOAD_DEADLINE:
         return gw_parse_number("--load-deadline", argument, 1, 86400, &options->load_deadline, error);
     default:
@@ -219,6 +229,8 @@ static error_t parse_sim(int key, char *argument, struct argp_state *state) {
     case KEY_MACHINES:
     case KEY_STEP:
     case KEY_GAZE:
+    case KEY_BUDGET:
+    case KEY_BUDGET_RAYS:
     case KEY_LOAD_DEADLINE:
     case KEY_FRAME_DEADLINE:
         code = parse_frames(key, argument, options, error);
@@ -280,6 +292,12 @@ gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *he
         return code;
     if (out->track && (out->gaze != GW_GAZE_FROM_TRACK || out->states))
         return gw_fail(error, GW_BAD_INPUT, "--track goes with neither --gaze, --no-gaze nor --states");
+    if (out->budget_ms > 0 && out->budget_rays > 0)
+        return gw_fail(error, GW_BAD_INPUT, "--budget and --budget-rays are two budgets; leave out one");
+    if (out->states && (out->budget_ms > 0 || out->budget_rays > 0))
+        return gw_fail(
+            error, GW_BAD_INPUT,
+            "--states holds what a budget decided in every frame; leave out --budget and --budget-rays");
     if (out->states && out->gaze != GW_GAZE_FROM_TRACK)
         return gw_fail(error, GW_BAD_INPUT,
                        "--states holds the gaze of every frame; leave out --gaze and --no-gaze");

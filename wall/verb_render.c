@@ -42,6 +42,7 @@ enum {
     KEY_PATH,
     KEY_GAZE,
     KEY_NO_GAZE,
+    KEY_BUDGET,
     KEY_STATES,
     KEY_FRAME,
     KEY_OUT
@@ -63,6 +64,7 @@ static const struct argp_option options_table[] = {
      "a camera on a camera path of the scene, by name or number from 0, where --time says", 2},
     {"gaze", KEY_GAZE, "X,Y", 0, "px of the picture: the viewer looks there", 2},
     {"no-gaze", KEY_NO_GAZE, NULL, 0, "nobody's gaze is known: sharp everywhere; the default", 2},
+    {"budget", KEY_BUDGET, "MS", OPTION_HIDDEN, NULL, 0},
     {"states", KEY_STATES, "FILE", 0, "eye, gaze and knobs from recorded frame states (sim --save-states)",
      2},
     {"frame", KEY_FRAME, "N", 0, "which of them, from 0; default 0", 2},
@@ -109,6 +111,12 @@ static error_t parse_render(int key, char *argument, struct argp_state *state) {
         break;
     case KEY_PATH:
         o->path = argument;
+        break;
+    case KEY_BUDGET:
+        code =
+            gw_fail(error, GW_BAD_INPUT,
+                    "--budget is held from frame to frame, and render draws one; use gazewall sim, or --set "
+                    "strain=Q for one picture so strained");
         break;
     case KEY_STATES:
         o->states = argument;
@@ -284,6 +292,7 @@ typedef struct render {
     gw_frame_state state;
     gw_image image;
     gw_counters counters;
+    gw_predicted_error predicted;
     double milliseconds;
 } render;
 
@@ -305,7 +314,9 @@ static gw_code draw(render *r, gw_error *error) {
     code = gw_renderer_frame(r->renderer, &r->view.placement, &r->view.plane, &rectangle, &r->state,
                              r->image.rgba, &r->counters, error);
     r->milliseconds = (double)(gw_now_ns() - begin) * 1e-6;
-    return code;
+    return code ? code
+                : gw_predict_error(r->model.scene, r->model.octree, &r->view.placement, &r->view.plane,
+                                   &rectangle, &r->state, &r->predicted, error);
 }
 
 static gw_code fill_report(render *r, gw_error *error) {
@@ -319,6 +330,7 @@ static gw_code fill_report(render *r, gw_error *error) {
     gw_report_tiles(r->report, &r->view.layout, never_lost);
     gw_report_frames(r->report, &r->milliseconds, 1);
     gw_report_counters(r->report, &r->counters);
+    gw_report_predicted_error(r->report, &r->predicted, &r->state, json_null());
     gw_report_image(r->report, r->options.out, &r->image);
     gw_code code = gw_report_floats(r->report, r->model.device, error);
     return code ? code : gw_renderer_report(r->renderer, r->report, error);

@@ -99,6 +99,7 @@ static void a_recording_gives_every_bit_back(void **state) {
         states[i].geometry = (uint8_t)(i % 3);
         states[i].epoch = 7 * i;
         states[i].accumulate = (uint16_t)(i + 1);
+        states[i].strain = 1.0f + 0.1f * (float)i;
     }
     check_ok(gw_states_save(path, states, COUNT, &error));
     gw_states back;

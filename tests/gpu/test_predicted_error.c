@@ -1,0 +1,219 @@
+/* The predicted error against a direct computation in wall millimetres, and against the squares that are
+ * drawn. */
+#include "tests/support/check.h"
+
+#include "base/srgb.h"
+#include "build/demo_scene.h"
+#include "render/predicted_error.h"
+#include "tests/support/renders.h"
+
+#include <math.h>
+
+enum { SIDE = 160 };
+static const double HALF_ANGLE = 5, DEGREES = 57.29577951308232;
+
+static gw_stage stage;
+static gw_renderer *renderer;
+static gw_camera camera; /* acuity that falls so fast that all squares occur in a small picture */
+
+static int open_stage(void **state) {
+    gw_scene *scene = NULL;
+    (void)state;
+    check_ok(gw_demo_scene(&scene, &error));
+    check_ok(gw_stage_open(
+        &stage, scene, NULL,
+        (const char *const[]){"octree_depth=7", "acuity_slope=0.15", "gaze_margin=4", "sample_block=4", NULL},
+        &error));
+    renderer = gw_stage_renderer(&stage);
+    const gw_viewpoint *view = &stage.scene->viewpoints[0];
+    gw_camera_look(&camera, &stage, view->eye, view->look_at, 60, SIDE);
+    gw_camera_gaze(&camera, 30, 40, HALF_ANGLE);
+    return 0;
+}
+
+static int close_stage(void **state) {
+    (void)state;
+    gw_renderer_destroy(&renderer);
+    gw_stage_close(&stage);
+    return 0;
+}
+
+static double dot(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+typedef struct seen {
+    double outside; /* deg beyond the ellipse, here a circle */
+    double spacing; /* px that the viewer resolves */
+} seen;
+
+/* From the wall's millimetres, the eye's and the formulas of docs/rendering.md. */
+static seen look(const gw_frame_state *s, double slope, double margin, double x, double y) {
+    double towards[3], direction[3], widest = 0;
+    for (int i = 0; i < 3; i++) {
+        towards[i] =
+            camera.plane.corner[i] + x * camera.plane.step_x[i] + y * camera.plane.step_y[i] - s->eye[i];
+        direction[i] = (double)s->gazes[0].direction[i];
+    }
+    const double distance = sqrt(dot(towards, towards));
+    const double angle = acos(dot(towards, direction) / distance / sqrt(dot(direction, direction))) * DEGREES;
+    const double *steps[2] = {camera.plane.step_x, camera.plane.step_y};
+    for (int axis = 0; axis < 2; axis++) {
+        const double along = dot(steps[axis], towards) / distance;
+        widest = fmax(widest, sqrt(dot(steps[axis], steps[axis]) - along * along));
+    }
+    const double period = 1.0 / 48 + slope * fmax(0, angle - HALF_ANGLE - margin);
+    return (seen){angle - HALF_ANGLE, fmin(period / 2 / DEGREES, 1) * distance / widest};
+}
+
+static double direct_side(const gw_frame_state *s, double x, double y) {
+    static const int corners[5][2] = {{0, 0}, {8, 0}, {0, 8}, {8, 8}, {4, 4}};
+    const double slope = (double)s->acuity_slope * (double)s->strain,
+                 margin = (double)s->gaze_margin / (double)s->strain;
+    const int most = 4 * (s->strain >= 2 ? 2 : 1) * (s->strain >= 4 ? 2 : 1);
+    double least[4] = {1e9, 1e9, 1e9, 1e9}, own = 1e9, all;
+    for (int block = 0; block < 4; block++) /* of the square of 16 pixels */
+        for (int i = 0; i < 5; i++) {
+            const double at[2] = {floor(x / 16) * 16 + 8 * (block & 1) + corners[i][0],
+                                  floor(y / 16) * 16 + 8 * (block >> 1) + corners[i][1]};
+            least[block] = fmin(least[block], look(s, slope, margin, at[0], at[1]).spacing);
+        }
+    own = least[(fmod(x, 16) >= 8) + 2 * (fmod(y, 16) >= 8)];
+    all = fmin(fmin(least[0], least[1]), fmin(least[2], least[3]));
+    return all >= 16 && most >= 16 ? 16 : own >= 8 && most >= 8 ? 8 : own >= 4 ? 4 : own >= 2 ? 2 : 1;
+}
+
+static double direct_error(const gw_frame_state *s, double x, double y) {
+    const double strain = (double)s->strain;
+    const double limit = fmax(1, look(s, (double)s->acuity_slope, (double)s->gaze_margin, x, y).spacing);
+    const seen drawn = look(s, (double)s->acuity_slope * strain, (double)s->gaze_margin / strain, x, y);
+    const double side = direct_side(s, x, y), ramp = fmin(fmax(drawn.outside / (double)s->gaze_blend, 0), 1);
+    const double tau = (double)s->tau * pow(strain, 0.25) * ramp * ramp * (3 - 2 * ramp);
+    return fmax(1, fmax(side, tau * fmax(side, drawn.spacing)) / limit);
+}
+
+static void it_is_what_the_formula_says(void **state) {
+    static const float strains[] = {1, 1.5f, 2, 4, 16};
+    (void)state;
+    double before = 0;
+    for (size_t k = 0; k < sizeof strains / sizeof strains[0]; k++) {
+        gw_camera strained = camera;
+        const gw_rectangle all = {0, 0, SIDE, SIDE};
+        gw_predicted_error sum = {0};
+        strained.state.strain = strains[k];
+        check_ok(gw_predict_error(stage.scene, stage.octree, &strained.placement, &strained.plane, &all,
+                                  &strained.state, &sum, &error));
+        double worst = 0, mean = 0;
+        for (int y = 16; y < SIDE; y += 32)
+            for (int x = 16; x < SIDE; x += 32) {
+                const double here = direct_error(&strained.state, x, y);
+                worst = fmax(worst, here);
+                mean += here / (SIDE / 32 * (SIDE / 32));
+            }
+        print_message("# strain %g: error %.3f at worst, %.3f on average\n", (double)strains[k], sum.worst,
+                      gw_predicted_error_mean(&sum));
+        assert_int_equal(sum.places, SIDE / 32 * (SIDE / 32));
+        assert_true(fabs(sum.worst - worst) < 1e-3 * worst);
+        assert_true(fabs(gw_predicted_error_mean(&sum) - mean) < 1e-3 * mean);
+        assert_true(k > 0 || sum.worst == 1); /* nothing that a viewer could resolve is missing */
+        assert_true(sum.sum > before);
+        before = sum.sum;
+    }
+}
+
+/* Without a gaze all is sharp however strained, and tau where nobody looks away from it is told. */
+static void special_cases(void **state) {
+    const gw_rectangle all = {0, 0, SIDE, SIDE};
+    gw_camera strained = camera;
+    gw_predicted_error blind = {0}, coarse = {0}, fine = {0};
+    (void)state;
+    strained.state.strain = 8;
+    strained.state.gaze_count = 0;
+    check_ok(gw_predict_error(stage.scene, stage.octree, &strained.placement, &strained.plane, &all,
+                              &strained.state, &blind, &error));
+    assert_true(blind.worst == 1);
+    strained.state.tau_inside = 3;
+    check_ok(gw_predict_error(stage.scene, stage.octree, &strained.placement, &strained.plane, &all,
+                              &strained.state, &coarse, &error));
+    assert_true(fabs(coarse.worst - 3) < 1e-6);
+    strained.state.samples = 2;
+    strained.state.geometry = GW_GEOMETRY_TRIANGLES;
+    check_ok(gw_predict_error(stage.scene, stage.octree, &strained.placement, &strained.plane, &all,
+                              &strained.state, &fine, &error));
+    assert_true(fine.worst == 1);
+}
+
+/* Places belong to the wall: cut in any way, they are the same and add up. */
+static void splits_add_up(void **state) {
+    static const gw_rectangle parts[3] = {{-70, -40, 107, 300}, {37, -40, 123, 56}, {37, 16, 123, 244}};
+    const gw_rectangle all = {-70, -40, 230, 300};
+    gw_camera strained = camera;
+    gw_predicted_error whole = {0}, sum = {0};
+    (void)state;
+    strained.state.strain = 3;
+    check_ok(gw_predict_error(stage.scene, stage.octree, &strained.placement, &strained.plane, &all,
+                              &strained.state, &whole, &error));
+    for (int i = 0; i < 3; i++)
+        check_ok(gw_predict_error(stage.scene, stage.octree, &strained.placement, &strained.plane, &parts[i],
+                                  &strained.state, &sum, &error));
+    assert_int_equal(sum.places, whole.places);
+    assert_true(sum.worst == whole.worst && fabs(sum.sum - whole.sum) < 1e-9 * whole.sum);
+}
+
+/* Squares as drawn: the map of rates is half the picture and half a colour of log2 of their side. */
+static void squares_are_those_that_are_drawn(void **state) {
+    gw_camera plain = camera, map;
+    size_t compared = 0, other = 0, kinds[5] = {0};
+    (void)state;
+    plain.state.strain = 4;
+    map = plain;
+    map.state.debug = GW_DEBUG_RATES;
+    uint8_t *picture = gw_camera_take(&plain, renderer, NULL), *rates = gw_camera_take(&map, renderer, NULL);
+    for (int y = 4; y < SIDE; y += 16)
+        for (int x = 4; x < SIDE; x += 16) {
+            const size_t at = ((size_t)y * SIDE + (size_t)x) * 4;
+            const double heat_red =
+                             2 * gw_srgb_code_to_linear(rates[at]) - gw_srgb_code_to_linear(picture[at]),
+                         heat_blue = 2 * gw_srgb_code_to_linear(rates[at + 2]) -
+                                     gw_srgb_code_to_linear(picture[at + 2]);
+            const double side = direct_side(&plain.state, x, y), c = fmax(0, 1 - log2(side) / 3);
+            const double red = fmin(fmax(3 * c - 1, 0), 1), blue = fmin(fmax(1 - 2 * c, 0), 1);
+            compared++;
+            kinds[(int)log2(side)]++;
+            other += fabs(heat_red - red) > 0.15 || fabs(heat_blue - blue) > 0.15;
+        }
+    print_message("# %zu places, %zu blended with another rate; of side 1 to 16: %zu %zu %zu %zu %zu\n",
+                  compared, other, kinds[0], kinds[1], kinds[2], kinds[3], kinds[4]);
+    assert_true(other * 10 < compared);
+    assert_true(kinds[0] > 0 && kinds[1] > 0 && kinds[2] > 0 && kinds[3] > 0);
+    free(picture);
+    free(rates);
+}
+
+/* A strained state draws what the settings that it stands for draw. */
+static void strain_is_its_settings(void **state) {
+    gw_camera strained = camera, settled = camera;
+    gw_counters few = {0}, many = {0};
+    (void)state;
+    strained.state.strain = 5;
+    settled.state = gw_frame_state_in_force(&strained.state);
+    uint8_t *a = gw_camera_take(&strained, renderer, &few), *b = gw_camera_take(&settled, renderer, NULL),
+            *sharp = gw_camera_take(&camera, renderer, &many);
+    assert_memory_equal(a, b, (size_t)SIDE * SIDE * 4);
+    assert_memory_not_equal(a, sharp, (size_t)SIDE * SIDE * 4);
+    assert_true(few.rays < many.rays / 2);
+    free(a);
+    free(b);
+    free(sharp);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(it_is_what_the_formula_says),
+        cmocka_unit_test(special_cases),
+        cmocka_unit_test(splits_add_up),
+        cmocka_unit_test(squares_are_those_that_are_drawn),
+        cmocka_unit_test(strain_is_its_settings),
+    };
+    return cmocka_run_group_tests(tests, open_stage, close_stage);
+}

@@ -64,8 +64,13 @@
            "most that gaze age adds to each half-angle")                                                               \
     GW_ROW(acuity_slope, REAL, 0.022, 0.0, 0.2, "", FRAME, "deg/deg", "blur in the periphery against cost", "0",       \
            "growth of the smallest resolvable period with eccentricity (m of MAR(e) = 1/48 + m e)")                    \
+    GW_ROW(gaze_footprint, REAL, 0.5, 0.0, 4.0, "", FRAME, "spacings", "blur in the periphery against steps",                 \
+           "0 (a ray is as wide as the pixels it stands for)",                                                       \
+           "least width of a ray over the spacing that the viewer resolves there")                                     \
     GW_ROW(sample_block, CHOICE, 3, 0, 4, "1|2|4|8|16", FRAME, "px", "sharpness in the periphery against rays",            \
            "1 (a ray per pixel)", "largest square of pixels that shares one ray where the viewer cannot tell")          \
+    GW_ROW(coarse_samples, CHOICE, 0, 0, 3, "1|2|4|8", FRAME, "rays", "aliasing in the periphery against rays", "8",     \
+           "rays of a square of pixels that the viewer does not see sharp, at fixed places in it")                     \
     GW_ROW(samples, CHOICE, 0, 0, 4, "1|2|4|8|16", FRAME, "rays", "jagged and shimmering edges against rays", "16",  \
            "rays of a pixel where the viewer sees it sharp, at fixed places in it")                                    \
     GW_ROW(accumulate, INTEGER, 1, 1, 256, "", FRAME, "samples", "jagged and shimmering edges against rays", "256",      \

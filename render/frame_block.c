@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-_Static_assert(sizeof(gw_frame_block) == 16 * (25 + 4 * GW_MAXIMUM_VIEWERS), "std140 rows without holes");
+_Static_assert(sizeof(gw_frame_block) == 16 * (31 + 4 * GW_MAXIMUM_VIEWERS), "std140 rows without holes");
 
 /* Smallest resolvable period at the centre of gaze, degrees (60 cycles per degree would be 1/60; 1/48 is the
  * value of Guenter et al., Foveated 3D Graphics, 2012). */
@@ -82,10 +82,10 @@ static gw_code check(const gw_plane *plane, const gw_frame_state *state, gw_erro
         return gw_fail(error, GW_BAD_INPUT, "frame %u: the plane's corner or steps are not finite",
                        state->frame);
     const float knobs[] = {
-        state->tau,          state->tau_inside,     state->gaze_margin,       state->gaze_blend,
-        state->gaze_growth,  state->gaze_latency,   state->gaze_growth_limit, state->acuity_slope,
-        state->voxel_slab,   state->voxel_flatness, state->fold_agreement,    state->least_remainder,
-        state->separated_tau};
+        state->tau,           state->tau_inside,     state->gaze_margin,       state->gaze_blend,
+        state->gaze_growth,   state->gaze_latency,   state->gaze_growth_limit, state->acuity_slope,
+        state->voxel_slab,    state->voxel_flatness, state->fold_agreement,    state->least_remainder,
+        state->separated_tau, state->gaze_footprint};
     for (size_t i = 0; i < sizeof knobs / sizeof knobs[0]; ++i)
         if (!isfinite(knobs[i]) || knobs[i] < 0.0f)
             return gw_fail(error, GW_BAD_INPUT,
@@ -140,6 +140,13 @@ void gw_frame_block_set_sample(const gw_frame_state *state, uint32_t number, gw_
         for (uint32_t axis = 0; axis < 2; ++axis)
             block->sample_places[i / 2][i % 2 * 2 + axis] =
                 (float)wrapped(places_of_samples[log2_samples][i][axis] / 16.0 + moved[axis]);
+    uint32_t log2_coarse = state->coarse_samples < 3 ? state->coarse_samples : 3, coarse = 1u << log2_coarse;
+    for (uint32_t i = 0; i < coarse; ++i)
+        for (uint32_t axis = 0; axis < 2; ++axis)
+            block->coarse_places[i / 2][i % 2 * 2 + axis] =
+                (float)wrapped(places_of_samples[log2_coarse][i][axis] / 16.0 + moved[axis]);
+    block->sampling[0] = coarse;
+    block->sampling[1] = state->sample_block < 4 ? state->sample_block : 4;
     block->counts[3] = samples;
     block->corner[3] = (float)sqrt(1.0 / samples);
 }
@@ -187,6 +194,7 @@ gw_code gw_frame_block_fill(const gw_scene *scene, const gw_octree *octree, cons
     block->accuracy[2] = state->gaze_blend;
     block->accuracy[3] = state->gaze_margin;
     block->acuity[0] = state->acuity_slope;
+    block->gazing[0] = state->gaze_footprint;
     /* Divisors in the kernels; a state that somebody else made may hold anything. */
     block->acuity[2] = fmaxf(state->voxel_slab, 0.005f);
     block->acuity[3] = state->voxel_flatness;

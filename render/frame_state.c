@@ -17,12 +17,14 @@ void gw_frame_state_apply(gw_frame_state *state, const gw_settings *settings) {
     state->fold_agreement = (float)settings->fold_agreement;
     state->least_remainder = (float)settings->least_remainder;
     state->separated_tau = (float)settings->separated_tau;
+    state->gaze_footprint = (float)settings->gaze_footprint;
     state->geometry = (uint8_t)settings->geometry;
     state->level_blend = (uint8_t)settings->level_blend;
     state->leaf_blend = (uint8_t)settings->leaf_blend;
     state->texture_filter = (uint8_t)settings->texture_filter;
     state->sample_block = (uint8_t)settings->sample_block;
     state->samples = (uint8_t)settings->samples;
+    state->coarse_samples = (uint8_t)settings->coarse_samples;
     state->triangle_precision = (uint8_t)settings->triangle_precision;
     state->accumulate = (uint16_t)settings->accumulate;
     state->strain = (float)settings->strain;

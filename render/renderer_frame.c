@@ -128,9 +128,9 @@ static gw_code visit_chunks(gw_frame_job *job, gw_chunk_visit visit, gw_error *e
     const int sparse = (job->key.features & GW_FEATURE_SPARSE) != 0;
     int64_t first_x = block_of(r->x), end_x = block_of((int64_t)r->x + r->width - 1) + 1;
     int64_t first_y = block_of(r->y), end_y = block_of((int64_t)r->y + r->height - 1) + 1;
-    int64_t limit =
-        (int64_t)(sparse ? GW_MOST_SAMPLES / job->block.counts[3] : gw_renderer_chunk_slots(job->renderer)) /
-        GW_BLOCK_PIXELS;
+    int64_t limit = (int64_t)(sparse ? GW_MOST_SAMPLES / gw_most_rays_of_pixel(&job->block)
+                                     : gw_renderer_chunk_slots(job->renderer)) /
+                    GW_BLOCK_PIXELS;
     int64_t most_side = sparse ? GW_MOST_SPARSE_SIDE : limit;
     int64_t columns = end_x - first_x < most_side ? end_x - first_x : most_side;
     int64_t rows = limit / columns < most_side ? limit / columns : most_side;
@@ -196,7 +196,6 @@ static gw_code begin_frame(gw_frame_job *job, const gw_similarity *placement, co
     job->block.window[2] = rectangle->x + (int32_t)rectangle->width;
     job->block.window[3] = rectangle->y + (int32_t)rectangle->height;
     job->key = key_of(renderer, state, job->block.counts[0]);
-    job->sample_block = state->sample_block < 4 ? state->sample_block : 4;
     return GW_OK;
 }
 

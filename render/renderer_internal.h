@@ -120,7 +120,6 @@ typedef struct gw_frame_job {
     GLuint trace, shade;
     const gw_gl_buffer *arguments; /* of indirect dispatches of both; NULL: of as many slots as is said */
     size_t argument_offset;
-    uint32_t sample_block; /* log2 of the side of the largest sample block */
     const gw_rectangle *rectangle;
     const gw_frame_state *state;
     uint32_t first_sample, end_sample; /* of a still view: those to be drawn; 0 and 1 without accumulation */
@@ -139,6 +138,8 @@ gw_code gw_frame_batch(gw_frame_job *job, size_t slots, gw_error *error);
  * in samples.pixels then. */
 gw_code gw_frame_list_samples(gw_frame_job *job, gw_error *error);
 gw_code gw_frame_samples(gw_frame_job *job, size_t pixel_slots, gw_error *error);
+/* Rays that a pixel of a block may take, whether the block is coarse or not. */
+uint32_t gw_most_rays_of_pixel(const gw_frame_block *block);
 /* Only lists them, and adds to the job's rays how many there are. */
 gw_code gw_frame_count_samples(gw_frame_job *job, size_t block_count, gw_error *error);
 void gw_sample_buffers_finish(gw_sample_buffers *buffers);

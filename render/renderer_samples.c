@@ -43,11 +43,16 @@ static void place_grid(gw_frame_block *block) {
     block->list[3] = size[0] * size[1];
 }
 
+uint32_t gw_most_rays_of_pixel(const gw_frame_block *block) {
+    uint32_t coarse = (block->sampling[0] + 3) / 4; /* of the smallest squares, 2 x 2 */
+    return coarse > block->counts[3] ? coarse : block->counts[3];
+}
+
 /* Most samples that the list may hold, padding included. */
 static size_t most_samples(const gw_frame_block *block) {
     size_t columns = (size_t)block->chunk[2] + 2 * RIM_BLOCKS;
     size_t rows = (size_t)(block->chunk[3] / block->chunk[2]) + 2 * RIM_BLOCKS;
-    return (columns * rows * block->counts[3] + 1) * GW_BLOCK_PIXELS;
+    return (columns * rows * gw_most_rays_of_pixel(block) + 1) * GW_BLOCK_PIXELS;
 }
 
 /* Samples that are traced at a time. */
@@ -98,7 +103,7 @@ static gw_code list_program(const gw_frame_job *job, const char *name, GLuint *o
     char defines[64] = "";
     if (job->key.features & GW_FEATURE_GAZE)
         strcat(defines, "#define GAZE 1\n");
-    if (job->sample_block == 4)
+    if (job->block.sampling[1] == 4)
         strcat(defines, "#define WIDE_SQUARES 1\n");
     return gw_gl_program(job->renderer->device, name, defines, out, error);
 }
@@ -124,7 +129,6 @@ gw_code gw_frame_list_samples(gw_frame_job *job, gw_error *error) {
     if (code)
         return code;
     glBindBufferBase(GL_UNIFORM_BUFFER, 0, renderer->frame.id);
-    glProgramUniform1ui(rates, 0, job->sample_block);
     glProgramUniform1ui(offsets, 0, (GLuint)groups);
     glProgramUniform1ui(offsets, 1, (GLuint)most_batches(job));
     glProgramUniform1ui(offsets, 2, (GLuint)(batch_slots(job) / GROUP));

@@ -34,6 +34,7 @@ static const float_field float_fields[] = {
     {"least_remainder", offsetof(gw_frame_state, least_remainder), 0.25},
     {"separated_tau", offsetof(gw_frame_state, separated_tau), 1},
     {"strain", offsetof(gw_frame_state, strain), GW_MAXIMUM_STRAIN},
+    {"gaze_footprint", offsetof(gw_frame_state, gaze_footprint), 4},
 };
 
 typedef struct byte_field {
@@ -48,6 +49,7 @@ static const byte_field byte_fields[] = {
     {"leaf_blend", offsetof(gw_frame_state, leaf_blend), 1},
     {"texture_filter", offsetof(gw_frame_state, texture_filter), GW_FILTER_TRILINEAR},
     {"sample_block", offsetof(gw_frame_state, sample_block), 4},
+    {"coarse_samples", offsetof(gw_frame_state, coarse_samples), 3},
     {"samples", offsetof(gw_frame_state, samples), 4},
     {"triangle_precision", offsetof(gw_frame_state, triangle_precision), GW_PRECISION_DOUBLE},
     {"debug", offsetof(gw_frame_state, debug), GW_DEBUG_VIEWS - 1},

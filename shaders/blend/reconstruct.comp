@@ -24,11 +24,11 @@ uint block_of(ivec2 pixel) {
     return GW_BLOCK_RATE(word) < 4u ? word : blocks[(block.y & ~1) * frame.list.z + (block.x & ~1)];
 }
 
-// The sample, or the mean of the rays of a pixel.
+// The sample, or the mean of the rays of a square.
 vec3 sample_at(ivec2 pixel) {
     uint block = block_of(pixel);
     uint rate = GW_BLOCK_RATE(block);
-    uint rays = rate == 0u ? frame.counts.w : 1u;
+    uint rays = rate == 0u ? frame.counts.w : frame.sampling.x;
     uint first = GW_BLOCK_FIRST(block) + morton(uvec2(pixel & 7) >> rate) * rays;
     precise vec3 sum = sums[first].rgb;
     for (uint i = 1u; i < rays; ++i)

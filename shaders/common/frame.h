@@ -39,6 +39,9 @@ GW_UVEC4(counts);    // viewers, directional lights, point lights, rays of a sha
 GW_UVEC4(level_begin[4]); // first node of each octree level, 16 entries; unused ones are 0xffffffff
 GW_VEC4(accumulation); // xy: this sample's ray in its square, in sides of it from its centre; z: 1 / samples with this one;
                        // w: 1 when samples have been added before
+GW_UVEC4(sampling);  // rays of a coarse square, log2 of the largest square, 0, 0
+GW_VEC4(gazing);     // gaze_footprint, 0, 0, 0
+GW_VEC4(coarse_places[4]); // of up to 8 rays in their square, in sides of it, as below
 GW_VEC4(sample_places[8]); // of up to 16 rays in their pixel, from its centre, px: xy of an even one, zw of an odd one
 gw_viewer viewers[GW_MAXIMUM_VIEWERS];
 GW_STRUCT_END(gw_frame_block)

@@ -37,10 +37,10 @@ uint count_of(ivec2 block, uint rate) {
 #ifdef WIDE_SQUARES
     if (rate == 4u) {
         bool read = is_read(block) || is_read(block + ivec2(1, 0)) || is_read(block + ivec2(0, 1)) || is_read(block + 1);
-        return (block.x & 1) == 0 && (block.y & 1) == 0 && read ? 1u : 0u;
+        return (block.x & 1) == 0 && (block.y & 1) == 0 && read ? frame.sampling.x : 0u;
     }
 #endif
-    return !is_read(block) ? 0u : rate == 0u ? 64u * frame.counts.w : 64u >> (2u * rate);
+    return !is_read(block) ? 0u : rate == 0u ? 64u * frame.counts.w : (64u >> (2u * rate)) * frame.sampling.x;
 }
 
 void main() {

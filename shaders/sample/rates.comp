@@ -6,7 +6,6 @@
 #include "sample/grid.glsl"
 #include "trace/pixel.glsl"
 layout(std430, binding = 0) writeonly buffer Rates { uint rates[]; };
-layout(location = 0) uniform uint most; // log2 of the side of the largest square; WIDE_SQUARES: 4
 
 #ifdef GAZE
 // Spacing of samples, in pixels, that the sharpest viewer resolves at a place of the plane.
@@ -27,7 +26,7 @@ float least_spacing(vec2 first) {
 uint rate_of(ivec2 first) {
     float least = least_spacing(vec2(first));
     uint rate = 0u;
-    for (uint i = 0u; i < most; ++i)
+    for (uint i = 0u; i < frame.sampling.y; ++i)
         rate += least >= float(2u << i) ? 1u : 0u;
 #ifdef WIDE_SQUARES
     // A square of 16 pixels needs four blocks that allow it; all four find the same.

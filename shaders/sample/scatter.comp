@@ -9,7 +9,7 @@ void main() {
     ivec2 block = block_of_invocation();
     uint word = blocks[index_of(block)], rate = GW_BLOCK_RATE(word), count = counts[index_of(block)];
     uint first = GW_BLOCK_FIRST(word) + group_sums[group_base + gl_WorkGroupID.x].x;
-    uint rays = rate == 0u ? frame.counts.w : 1u, ray_bits = uint(findMSB(rays));
+    uint rays = rate == 0u ? frame.counts.w : frame.sampling.x, ray_bits = uint(findMSB(rays));
     blocks[index_of(block)] = word + group_sums[group_base + gl_WorkGroupID.x].x;
     uint corner = uint(block.x * 8) | uint(block.y * 8) << 12 | rate << 24;
     for (uint i = 0u; i < count; ++i) {

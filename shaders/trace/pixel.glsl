@@ -12,7 +12,7 @@ struct Pixel_square {
     int side;
     bool present; // false: padding at a list's end, or outside the rectangle
 #ifdef SPARSE
-    vec2 place; // of the ray in the square, from its centre, px
+    vec2 place; // of the ray in a square that has several, from its centre, sides
 #endif
 };
 
@@ -42,11 +42,10 @@ Pixel_square square_of_slot(uint slot) {
 #ifdef SPARSE
     uint word = samples[slot];
     uint rate = GW_SAMPLE_RATE(word);
-    uint which = rate == 0u ? GW_SAMPLE_WHICH(word) : 0u;
-    vec4 places = frame.sample_places[which >> 1];
+    uint which = GW_SAMPLE_WHICH(word);
+    vec4 places = rate == 0u ? frame.sample_places[which >> 1] : frame.coarse_places[(which >> 1) & 3u];
     return Pixel_square(frame.list.xy + ivec2(GW_SAMPLE_X(word), GW_SAMPLE_Y(word)), 1 << (rate & 7u),
-                        word != GW_NO_SAMPLE,
-                        rate != 0u ? frame.accumulation.xy * float(1 << (rate & 7u)) : (which & 1u) == 0u ? places.xy : places.zw);
+                        word != GW_NO_SAMPLE, (which & 1u) == 0u ? places.xy : places.zw);
 #else
     ivec2 pixel = pixel_of_slot(slot);
     return Pixel_square(pixel, 1, in_window(pixel));
@@ -73,7 +72,7 @@ Pixel_ray ray_of_square(Pixel_square square) {
     precise vec2 centre = vec2(square.first) + 0.5 * float(square.side);
     float side = float(square.side);
 #ifdef SPARSE
-    centre += square.place;
+    centre += square.place * side;
     side = square.side == 1 ? frame.corner.w : side;
 #else
     centre += frame.accumulation.xy;
@@ -86,7 +85,7 @@ Pixel_ray ray_of_square(Pixel_square square) {
     if (frame.counts.x > 0u) {
         Acuity acuity = acuity_at(direction);
         ray.tau = acuity.tau;
-        ray.width = max(ray.width, acuity.width);
+        ray.width = max(ray.width, acuity.width * frame.gazing.x);
     }
 #endif
     return ray;

@@ -228,6 +228,7 @@ static void splits_give_the_same_pixels(void **state) {
     several.state.samples = 2;
     check_splits(&several);
     several.state.samples = 0;
+    several.state.coarse_samples = 1;
     several.state.sample_block = 4;
     check_splits(&several);
 }
@@ -285,6 +286,41 @@ static void more_rays_come_closer(void **state) {
                   errors[2], errors[3], errors[4]);
     for (int i = 1; i < 5; ++i)
         assert_true(errors[i] < 0.9 * errors[i - 1]);
+    free(reference);
+}
+
+static double difference_of(const uint8_t *a, const uint8_t *b) {
+    double sum = 0;
+    for (size_t i = 0; i < PIXELS * 4; ++i) {
+        double d = gw_srgb_code_to_linear(a[i]) - gw_srgb_code_to_linear(b[i]);
+        sum += d * d;
+    }
+    return sqrt(sum / (3.0 * PIXELS));
+}
+
+/* Several rays a coarse square come closer to the mean of eight, and leave sharp blocks alone. */
+static void more_rays_a_square_come_closer(void **state) {
+    double errors[3];
+    uint64_t rays[3];
+    gw_camera several = camera;
+    const uint32_t at = (40 * SIDE + 30) * 4; /* the gaze */
+    (void)state;
+    several.state.coarse_samples = 3;
+    uint8_t *reference = picture(&several, renderer, NULL);
+    for (uint8_t i = 0; i < 3; ++i) {
+        gw_counters counters = {0};
+        several.state.coarse_samples = i;
+        uint8_t *rgba = picture(&several, renderer, &counters);
+        errors[i] = difference_of(reference, rgba);
+        rays[i] = counters.rays;
+        assert_memory_equal(reference + at, rgba + at, 4);
+        free(rgba);
+    }
+    print_message("# difference to 8 of 1, 2, 4 rays a square: %.4f %.4f %.4f\n", errors[0], errors[1],
+                  errors[2]);
+    assert_true(errors[1] < 0.8 * errors[0] && errors[2] < 0.8 * errors[1]);
+    /* Squares, then squares twice: what is not a square's has one ray. */
+    assert_true(rays[2] - rays[1] == 2 * (rays[1] - rays[0]) && rays[1] > rays[0]);
     free(reference);
 }
 
@@ -411,6 +447,7 @@ int main(void) {
         cmocka_unit_test(lists_cover_every_pixel_once),
         cmocka_unit_test(splits_give_the_same_pixels),
         cmocka_unit_test(more_rays_come_closer),
+        cmocka_unit_test(more_rays_a_square_come_closer),
         cmocka_unit_test(coarse_blocks_stay_as_they_are),
         cmocka_unit_test(maps_show_where_it_is_sharp),
         cmocka_unit_test(a_tall_tile_is_drawn_in_pieces),

@@ -51,6 +51,9 @@ gw_code gw_bench_modes_run(gw_bench *bench, gw_error *error);
 /* Walls of 1 to 35 panels, full against foveated; rays in scenes of 10 thousand to 10 million triangles. */
 gw_code gw_bench_scale(gw_bench *bench, gw_error *error);
 
+/* Figure 5 of Weier et al. 2014: error and flicker of a scene seen whole, one ray a pixel. */
+gw_code gw_bench_aliasing(gw_bench *bench, gw_error *error);
+
 /* Many models at once, each with its own octree and renderer on one device. */
 gw_code gw_bench_resident(gw_bench *bench, gw_error *error);
 

@@ -1,6 +1,6 @@
 #!/bin/bash
 # gazewall bench table2 on a small scene: rows, their arithmetic and their order. bench growth: work in proportion.
-# bench voxelise: differences add up.
+# bench voxelise: differences add up. bench scale, bench aliasing: walls, cities.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/support/tap.sh
 
@@ -48,6 +48,16 @@ is "a ray's work grows with the logarithm" \
 is "far below any root" \
     "$(json "$folder/results/scale.json" '["bench"]["growth"]["fits"]["node_loads"]["exponent"] < 0.2')" True
 is "plotted" "$(grep -c "</svg>" "$folder/results/scale-growth.svg" "$folder/results/scale-tiles.svg" | cut -d: -f2 | tr -d "\n")" 11
+expect "a city seen whole in few pixels" 0 "hybrid below triangles only in error and flicker: met" bench aliasing --quick \
+    --out "$folder/results"
+is "voxels halve its flicker" \
+    "$(json "$folder/results/aliasing.json" '["bench"]["scenes"][0]["modes"][2]["flicker"]["mean"] < 0.5 * d["bench"]["scenes"][0]["modes"][0]["flicker"]["mean"]')" True
+is "much of it is voxels then" \
+    "$(json "$folder/results/aliasing.json" '["bench"]["scenes"][0]["modes"][2]["voxel_share"] > 0.2')" True
+is "a row for each mode" "$(wc -l <"$folder/results/aliasing.csv")" 4
+"$program" bench aliasing --quick --quiet --set tau=0 --out "$folder/exact"
+is "with tau 0 it is what triangles are" \
+    "$(json "$folder/exact/aliasing.json" '["bench"]["scenes"][0]["modes"][2]["rms"] == d["bench"]["scenes"][0]["modes"][0]["rms"]')" True
 expect "a scene for growth" 2 "makes its own scenes" bench growth --scene a.obj
 
 # --- resident: every model has the picture that it has alone

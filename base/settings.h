@@ -91,6 +91,8 @@
            "share of tau at which separated voxels stand for their contents; 0.5: one octree level later")             \
     GW_ROW(least_remainder, REAL, 0.00390625, 0.0001, 0.25, "", FRAME, "", "light from behind voxels against steps",     \
            "0.0001", "a ray ends when less than this share of it is left")                                              \
+    GW_ROW(shadow_tau, REAL, 1.0, 0.0, 16.0, "", FRAME, "", "voxels in shadows against steps and tests", "0",            \
+           "tau of shadow rays, as a multiple of the pixel's own; 0: every shadow ray ends at triangles")               \
     GW_ROW(texture_filter, CHOICE, 2, 0, 2, "nearest|bilinear|trilinear", FRAME, "", "texture aliasing against fetches", \
            "trilinear", "how base-colour textures are read at the ray's footprint")                                    \
     GW_ROW(triangle_precision, CHOICE, 0, 0, 1, "float|double", FRAME, "", "rounding at shared edges against time",    \

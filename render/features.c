@@ -1,8 +1,11 @@
 /* See features.h. */
 #include "render/features.h"
 
+#include "base/suggest.h"
+
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 const gw_feature_row gw_feature_rows[] = {
     {GW_FEATURE_TEXTURES, "textures", "TEXTURES", "no material in use has a texture"},
@@ -19,8 +22,26 @@ const gw_feature_row gw_feature_rows[] = {
      "samples is 1, and no gaze is known or sample_block is 1: a ray per pixel"},
     {GW_FEATURE_DENSE_LEAVES, "dense-leaves", "DENSE_LEAVES", "no leaf has more than dense_leaf triangles"},
     {GW_FEATURE_ACCUMULATE, "accumulation", "ACCUMULATE", "accumulate is 1: every frame stands for itself"},
+    {GW_FEATURE_SHADOWS, "shadows", "SHADOWS", "the scene has no light that could cast any"},
 };
 const size_t gw_feature_count = sizeof gw_feature_rows / sizeof gw_feature_rows[0];
+
+gw_code gw_feature_of_name(const char *name, uint32_t *bit, gw_error *error) {
+    enum { MOST = 32 };
+    const char *names[MOST];
+    size_t count = gw_feature_count < MOST ? gw_feature_count : MOST;
+    for (size_t i = 0; i < count; ++i) {
+        names[i] = gw_feature_rows[i].name;
+        if (!strcmp(name, names[i])) {
+            *bit = gw_feature_rows[i].bit;
+            return GW_OK;
+        }
+    }
+    const char *nearest = gw_suggest(name, names, count);
+    if (nearest)
+        return gw_fail(error, GW_BAD_INPUT, "there is no effect '%s'; did you mean '%s'?", name, nearest);
+    return gw_fail(error, GW_BAD_INPUT, "there is no effect '%s'; gazewall inspect lists them all", name);
+}
 
 static uint32_t features_of_material(const gw_material *material) {
     uint32_t bits = 0;
@@ -56,7 +77,8 @@ uint32_t gw_features_of_scene(const gw_scene *scene, const gw_octree *octree) {
         bits |= GW_FEATURE_SMOOTH_NORMALS;
     for (uint32_t i = 0; i < scene->light_count; ++i)
         bits |=
-            scene->lights[i].kind == GW_LIGHT_POINT ? GW_FEATURE_POINT_LIGHTS : GW_FEATURE_DIRECTIONAL_LIGHTS;
+            GW_FEATURE_SHADOWS | (scene->lights[i].kind == GW_LIGHT_POINT ? GW_FEATURE_POINT_LIGHTS
+                                                                          : GW_FEATURE_DIRECTIONAL_LIGHTS);
     if (octree->node_count > 1u << 24)
         bits |= GW_FEATURE_WIDE_NODES;
     if (octree->box_count > 0)

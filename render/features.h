@@ -26,7 +26,8 @@ typedef enum gw_feature {
     GW_FEATURE_WIDE_NODES = 1 << 9,    /* more than 2^24 octree nodes */
     GW_FEATURE_SPARSE = 1 << 10,       /* fewer rays than pixels where viewers cannot tell */
     GW_FEATURE_DENSE_LEAVES = 1 << 11, /* lists under boxes */
-    GW_FEATURE_ACCUMULATE = 1 << 12    /* samples of a still view add up */
+    GW_FEATURE_ACCUMULATE = 1 << 12,   /* samples of a still view add up */
+    GW_FEATURE_SHADOWS = 1 << 13       /* what stands before a light keeps it away */
 } gw_feature;
 
 /* What frames decide, not the scene. */
@@ -41,6 +42,12 @@ typedef struct gw_feature_row {
 
 extern const gw_feature_row gw_feature_rows[];
 extern const size_t gw_feature_count;
+
+/* Without these an octree that calls for them cannot be read. */
+enum { GW_NEEDED_FEATURES = GW_FEATURE_WIDE_NODES | GW_FEATURE_DENSE_LEAVES };
+
+/* The bit of a name; GW_BAD_INPUT names the nearest known one. */
+gw_code gw_feature_of_name(const char *name, uint32_t *bit, gw_error *error);
 
 uint32_t gw_features_of_scene(const gw_scene *scene, const gw_octree *octree);
 /* viewers: gazes that are usable, which may be fewer than state->gaze_count. */

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-_Static_assert(sizeof(gw_frame_block) == 16 * (31 + 4 * GW_MAXIMUM_VIEWERS), "std140 rows without holes");
+_Static_assert(sizeof(gw_frame_block) == 16 * (32 + 4 * GW_MAXIMUM_VIEWERS), "std140 rows without holes");
 
 /* Smallest resolvable period at the centre of gaze, degrees (60 cycles per degree would be 1/60; 1/48 is the
  * value of Guenter et al., Foveated 3D Graphics, 2012). */
@@ -85,7 +85,7 @@ static gw_code check(const gw_plane *plane, const gw_frame_state *state, gw_erro
         state->tau,           state->tau_inside,     state->gaze_margin,       state->gaze_blend,
         state->gaze_growth,   state->gaze_latency,   state->gaze_growth_limit, state->acuity_slope,
         state->voxel_slab,    state->voxel_flatness, state->fold_agreement,    state->least_remainder,
-        state->separated_tau, state->gaze_footprint};
+        state->separated_tau, state->gaze_footprint, state->shadow_tau};
     for (size_t i = 0; i < sizeof knobs / sizeof knobs[0]; ++i)
         if (!isfinite(knobs[i]) || knobs[i] < 0.0f)
             return gw_fail(error, GW_BAD_INPUT,
@@ -201,6 +201,7 @@ gw_code gw_frame_block_fill(const gw_scene *scene, const gw_octree *octree, cons
     block->ambient[3] = state->fold_agreement;
     block->background[3] = state->least_remainder;
     block->step_y[3] = state->separated_tau;
+    block->secondary[0] = state->shadow_tau;
     block->acuity[1] = (float)smallest_period;
     gw_frame_block_set_sample(state, 0, block);
     uint32_t gazes = state->gaze_count < GW_MAXIMUM_VIEWERS ? state->gaze_count : GW_MAXIMUM_VIEWERS;

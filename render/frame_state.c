@@ -18,6 +18,7 @@ void gw_frame_state_apply(gw_frame_state *state, const gw_settings *settings) {
     state->least_remainder = (float)settings->least_remainder;
     state->separated_tau = (float)settings->separated_tau;
     state->gaze_footprint = (float)settings->gaze_footprint;
+    state->shadow_tau = (float)settings->shadow_tau;
     state->geometry = (uint8_t)settings->geometry;
     state->level_blend = (uint8_t)settings->level_blend;
     state->leaf_blend = (uint8_t)settings->leaf_blend;

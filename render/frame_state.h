@@ -29,7 +29,7 @@ typedef struct gw_frame_state {
     /* Knobs of the FRAME stage, as floats (settings.h says what they mean). */
     float tau, tau_inside, gaze_margin, gaze_blend, gaze_growth, gaze_latency, gaze_growth_limit,
         acuity_slope, voxel_slab, voxel_flatness, fold_agreement, least_remainder, separated_tau,
-        gaze_footprint;
+        gaze_footprint, shadow_tau;
     uint8_t geometry, level_blend, leaf_blend, texture_filter, triangle_precision;
     uint8_t debug;          /* gw_debug_view */
     uint8_t sample_block;   /* log2 of the side of the largest sample block, 0..4 */
@@ -45,9 +45,8 @@ typedef struct gw_frame_state {
     /* How far tau, gaze_margin, acuity_slope and sample_block are strained to be faster: 1, as they stand, to
      * GW_MAXIMUM_STRAIN. See gw_frame_state_in_force(). */
     float strain;
-    uint32_t unused; /* 0 */
 } gw_frame_state;
-_Static_assert(offsetof(gw_frame_state, unused) + sizeof(uint32_t) == sizeof(gw_frame_state),
+_Static_assert(offsetof(gw_frame_state, strain) + sizeof(float) == sizeof(gw_frame_state),
                "no holes, so that states can be compared as bytes");
 _Static_assert(sizeof(gw_frame_state) < 512, "the frame state travels in one small message");
 

@@ -12,8 +12,25 @@
 enum { DEFAULT_LOOP_BUDGET = 4000, LEAST_LOOP_BUDGET = 32 };
 enum { SOFTWARE_CHUNK = 1 << 17, DEVICE_CHUNK = 1 << 20 };
 
+/* Visibilities of every fragment and light have bounded room as well. */
 size_t gw_renderer_chunk_slots(const gw_renderer *renderer) {
-    return gw_gl_limits_of(renderer->device)->software ? SOFTWARE_CHUNK : DEVICE_CHUNK;
+    size_t slots = gw_gl_limits_of(renderer->device)->software ? SOFTWARE_CHUNK : DEVICE_CHUNK;
+    size_t lights = renderer->scene->light_count;
+    if ((renderer->scene_features & GW_FEATURE_SHADOWS) && lights > GW_CHUNK_LIGHTS)
+        slots = (slots * GW_CHUNK_LIGHTS / lights / GW_BLOCK_PIXELS + 16) * GW_BLOCK_PIXELS;
+    return slots;
+}
+
+gw_code gw_renderer_take_features(gw_renderer *renderer, gw_error *error) {
+    uint32_t called_for = gw_features_of_scene(renderer->scene, renderer->octree);
+    uint32_t missing = called_for & renderer->forbidden_features & GW_NEEDED_FEATURES;
+    renderer->scene_features = called_for & ~renderer->forbidden_features;
+    for (size_t i = 0; i < gw_feature_count; ++i)
+        if (missing & gw_feature_rows[i].bit)
+            return gw_fail(error, GW_BAD_INPUT,
+                           "the effect '%s' is forbidden, but this octree cannot be read without it",
+                           gw_feature_rows[i].name);
+    return GW_OK;
 }
 
 gw_code gw_renderer_create(gw_gl *device, const gw_scene *scene, const gw_octree *octree,
@@ -35,9 +52,10 @@ gw_code gw_renderer_create(gw_gl *device, const gw_scene *scene, const gw_octree
     renderer->loop_budget = options->loop_budget ? options->loop_budget : DEFAULT_LOOP_BUDGET;
     if (renderer->loop_budget < LEAST_LOOP_BUDGET)
         renderer->loop_budget = LEAST_LOOP_BUDGET; /* a ray must get from the root to its cell and on */
-    renderer->scene_features = gw_features_of_scene(scene, octree);
-    renderer->forced_features = options->force_features;
-    if (scene->animation && options->settings)
+    renderer->forced_features = options->force_features & ~options->forbid_features;
+    renderer->forbidden_features = options->forbid_features;
+    code = gw_renderer_take_features(renderer, error);
+    if (!code && scene->animation && options->settings)
         code = gw_moving_create(device, scene, options->settings, options->log, &renderer->moving, error);
     if (!code)
         code = gw_scene_buffers_init(device, scene, octree, &renderer->buffers, error);
@@ -68,6 +86,7 @@ void gw_renderer_destroy(gw_renderer **renderer) {
         return;
     gw_renderer *r = *renderer;
     gw_ray_buffers_finish(&r->rays);
+    gw_shadow_buffers_finish(&r->shadows);
     gw_scene_buffers_finish(&r->buffers);
     gw_moving_destroy(&r->moving);
     gw_gl_buffer_finish(&r->totals);
@@ -102,6 +121,8 @@ void gw_renderer_ray_memory(const gw_renderer *renderer, uint64_t *bytes, uint64
     *bytes = gw_kernel_fragments(&key) * (uint64_t)GW_FRAGMENT_WORDS * sizeof(uint32_t);
     for (size_t i = 0; i < sizeof ray_rows / sizeof ray_rows[0]; ++i)
         *bytes += !ray_rows[i].counting || renderer->count ? ray_rows[i].bytes : 0;
+    if (renderer->scene_features & GW_FEATURE_SHADOWS)
+        *bytes += gw_shadow_ray_bytes(gw_kernel_fragments(&key), renderer->scene->light_count);
     *rays = gw_renderer_chunk_slots(renderer);
     *lists = (uint64_t)GW_MOST_SAMPLES * (GW_SAMPLE_BYTES + GW_SAMPLE_PIXEL_BYTES);
 }
@@ -198,12 +219,14 @@ static json_t *skipped_feature(const gw_renderer *renderer, const gw_feature_row
 }
 
 gw_code gw_renderer_report(const gw_renderer *renderer, json_t *report, gw_error *error) {
-    json_t *run = json_array(), *skipped = json_array(), *forced = json_array();
-    int failed = !run || !skipped || !forced;
+    json_t *run = json_array(), *skipped = json_array(), *forced = json_array(), *forbidden = json_array();
+    int failed = !run || !skipped || !forced || !forbidden;
     uint32_t called_for = renderer->scene_features | renderer->last_features;
     for (size_t i = 0; i < gw_feature_count && !failed; ++i) {
         const gw_feature_row *row = &gw_feature_rows[i];
-        if (called_for & row->bit)
+        if (renderer->forbidden_features & row->bit)
+            failed = json_array_append_new(forbidden, json_string(row->name));
+        else if (called_for & row->bit)
             failed = json_array_append_new(run, json_string(row->name));
         else if (renderer->forced_features & row->bit)
             failed = json_array_append_new(forced, json_string(row->name));
@@ -211,14 +234,15 @@ gw_code gw_renderer_report(const gw_renderer *renderer, json_t *report, gw_error
             failed = json_array_append_new(skipped, skipped_feature(renderer, row));
     }
     json_t *effects = failed ? NULL
-                             : json_pack("{s:O, s:O, s:O, s:[]}", "run", run, "skipped", skipped, "forced",
-                                         forced, "forbidden");
+                             : json_pack("{s:O, s:O, s:O, s:O}", "run", run, "skipped", skipped, "forced",
+                                         forced, "forbidden", forbidden);
     json_t *rebuild = effects && renderer->moving ? gw_moving_report(renderer->moving) : NULL;
     if (effects && renderer->moving)
         failed = json_object_set_new(report, "rebuild", rebuild);
     json_decref(run);
     json_decref(skipped);
     json_decref(forced);
+    json_decref(forbidden);
     if (!effects || failed || json_object_set_new(report, "effects", effects))
         return gw_fail(error, GW_MACHINE, "no memory for the report of effects");
     return GW_OK;
@@ -238,7 +262,7 @@ gw_renderer_parts gw_renderer_parts_of(const gw_renderer *renderer) {
                 renderer->found_hits.size + rays->fragments.size + rays->statuses.size + rays->states.size +
                 rays->queues[0].size + rays->queues[1].size + rays->work.size + rays->sums.size +
                 rays->pixels.size + gw_sample_buffers_bytes(&renderer->samples) +
-                gw_accumulation_bytes(&renderer->accumulation)};
+                gw_accumulation_bytes(&renderer->accumulation) + gw_shadow_buffers_bytes(&renderer->shadows)};
 }
 
 uint64_t gw_renderer_bytes(const gw_renderer *renderer) {
@@ -255,5 +279,6 @@ void gw_counters_add(gw_counters *to, const gw_counters *from) {
     to->voxel_rays += from->voxel_rays;
     to->step_cap_hits += from->step_cap_hits;
     to->nan_pixels += from->nan_pixels;
+    to->shadow_rays += from->shadow_rays;
     to->resumed += from->resumed;
 }

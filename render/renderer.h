@@ -25,9 +25,10 @@ typedef struct gw_renderer gw_renderer;
 /* Deterministic work of one frame. steps to voxel_rays are zero unless counting was on. */
 typedef struct gw_counters {
     uint64_t rays, steps, node_loads, triangle_tests, voxels;
-    uint64_t voxel_rays;    /* rays that met a voxel */
+    uint64_t voxel_rays;    /* rays that met a voxel, by themselves or by a shadow ray */
     uint64_t step_cap_hits; /* rays that the driver cut off: must stay 0; always counted */
     uint64_t nan_pixels;    /* pixels replaced by the background; always counted */
+    uint64_t shadow_rays;   /* always counted; their steps and tests are in the numbers above */
     uint64_t resumed;       /* further dispatches of suspended rays, summed over rays; always counted */
 } gw_counters;
 void gw_counters_add(gw_counters *to, const gw_counters *from);
@@ -42,6 +43,9 @@ typedef struct gw_renderer_options {
      * time 0, and so does a scene without animation, for which nothing is made. */
     const gw_settings *settings;
     uint32_t force_features; /* gw_feature bits to compile in although nothing calls for them: same pixels */
+    /* gw_feature bits to leave out although something calls for them: other pixels. GW_BAD_INPUT for those
+     * without which the octree cannot be read. */
+    uint32_t forbid_features;
     const gw_log *log;
 } gw_renderer_options;
 

@@ -28,35 +28,38 @@ gw_code gw_frame_kernels(gw_frame_job *job, int resume, gw_error *error) {
     return code;
 }
 
-static gw_code dispatch(gw_frame_job *job, GLuint program, size_t slots, gw_error *error) {
+gw_code gw_frame_dispatch(gw_frame_job *job, GLuint program, size_t slots, gw_error *error) {
     gw_gl *device = job->renderer->device;
     if (job->arguments)
         return gw_gl_dispatch_indirect(device, program, job->arguments, job->argument_offset, error);
     return gw_gl_dispatch(device, program, (slots + GW_BLOCK_PIXELS - 1) / GW_BLOCK_PIXELS, error);
 }
 
-gw_code gw_frame_dispatch(gw_frame_job *job, size_t slots, gw_error *error) {
-    gw_code code = dispatch(job, job->trace, slots, error);
+gw_code gw_frame_round(gw_frame_job *job, size_t slots, int resume, int from, gw_error *error) {
+    gw_ray_buffers *rays = &job->renderer->rays;
+    gw_gl_buffer_bind(&rays->queues[from], GW_BINDING_QUEUE);
+    gw_code code = gw_frame_dispatch(job, job->trace, slots, error);
     if (!code)
-        code = dispatch(job, job->shade, slots, error);
+        code = gw_frame_shadows(job, slots, resume, error);
+    gw_gl_buffer_bind(&rays->queues[from], GW_BINDING_QUEUE);
+    gw_gl_buffer_bind(&rays->queues[1 - from], GW_BINDING_NEXT_QUEUE);
+    if (!code)
+        code = gw_frame_dispatch(job, job->shade, slots, error);
     return code;
 }
 
 /* One round after another over the suspended rays. Each round takes every ray further, so it ends. */
 gw_code gw_frame_resume(gw_frame_job *job, uint32_t queue_length, gw_error *error) {
-    gw_ray_buffers *rays = &job->renderer->rays;
     gw_code code = gw_frame_kernels(job, 1, error);
     job->arguments = NULL;
     for (int from = 1; !code && queue_length > 0; from = 1 - from) {
         uint32_t totals[4];
         job->counters.resumed += queue_length;
-        gw_gl_buffer_bind(&rays->queues[from], GW_BINDING_QUEUE);
-        gw_gl_buffer_bind(&rays->queues[1 - from], GW_BINDING_NEXT_QUEUE);
         glProgramUniform1ui(job->trace, 0, queue_length);
         glProgramUniform1ui(job->shade, 0, queue_length);
         code = gw_renderer_clear_totals(job->renderer, error);
         if (!code)
-            code = gw_frame_dispatch(job, queue_length, error);
+            code = gw_frame_round(job, queue_length, 1, from, error);
         if (!code)
             code = gw_renderer_read_totals(job->renderer, totals, error);
         if (!code) {

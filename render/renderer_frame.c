@@ -18,8 +18,9 @@ static int shows_work(uint8_t debug) {
 }
 
 static gw_kernel_key key_of(const gw_renderer *renderer, const gw_frame_state *state, uint32_t viewers) {
-    uint32_t features = renderer->scene_features | renderer->forced_features |
-                        gw_features_of_frame(state, viewers, renderer->scene_features);
+    uint32_t features = (renderer->scene_features | renderer->forced_features |
+                         gw_features_of_frame(state, viewers, renderer->scene_features)) &
+                        ~renderer->forbidden_features;
     int lod = (features & GW_FEATURE_LOD) != 0;
     return (gw_kernel_key){.features = features,
                            .depth = renderer->octree->depth,
@@ -72,7 +73,7 @@ gw_code gw_frame_batch(gw_frame_job *job, size_t slots, gw_error *error) {
     if (!code)
         code = gw_frame_kernels(job, 0, error);
     if (!code)
-        code = gw_frame_dispatch(job, slots, error);
+        code = gw_frame_round(job, slots, 0, 0, error);
     if (!code)
         code = gw_renderer_read_totals(job->renderer, totals, error);
     job->counters.step_cap_hits += totals[0];
@@ -160,8 +161,7 @@ static gw_code move_scene(gw_renderer *renderer, int64_t time, gw_error *error) 
     if (code)
         return gw_context(error, "moving the scene to %.3f s", (double)time * 1e-9);
     renderer->time = time;
-    renderer->scene_features = gw_features_of_scene(renderer->scene, renderer->octree);
-    return GW_OK;
+    return gw_renderer_take_features(renderer, error);
 }
 
 /* Everything about the frame but its chunks. */

@@ -24,7 +24,9 @@ enum gw_binding {
     GW_BINDING_NODES = 11, /* these three with STORAGE_FETCH only */
     GW_BINDING_REFERENCES = 12,
     GW_BINDING_TRIANGLES = 13,
-    GW_BINDING_ACCUMULATED = 14 /* with ACCUMULATE only */
+    GW_BINDING_ACCUMULATED = 14, /* with ACCUMULATE only */
+    GW_BINDING_VISIBILITIES = 15,
+    GW_BINDING_SHADOW_RAYS = 16
 };
 /* Of the kernels of shaders/sample, before a batch is traced. */
 enum gw_list_binding {
@@ -51,6 +53,12 @@ typedef struct gw_sample_buffers {
     gw_gl_buffer list;                      /* GW_LIST_ARGUMENTS words, then the arguments of each batch */
     gw_gl_buffer samples, blocks, sums, pixels;
 } gw_sample_buffers;
+/* Shadow rays of what one dispatch has met; exist only if a frame cast shadows, only grow. */
+typedef struct gw_shadow_buffers {
+    gw_gl_buffer visibilities;      /* of every fragment and light */
+    gw_gl_buffer rays;              /* those that are traced: places in visibilities */
+    gw_gl_buffer states, queues[2]; /* of one batch */
+} gw_shadow_buffers;
 
 /* What a still view's samples depend on besides scene and renderer. Compared as bytes: made of zeros first.
  */
@@ -80,11 +88,13 @@ struct gw_renderer {
     const gw_log *log;
     int count;
     uint32_t loop_budget;
-    uint32_t scene_features, forced_features;
+    uint32_t scene_features; /* but for the forbidden ones */
+    uint32_t forced_features, forbidden_features;
     uint32_t last_features; /* of the last frame, for the report */
     int has_drawn;          /* there was one */
     gw_scene_buffers buffers;
     gw_ray_buffers rays;
+    gw_shadow_buffers shadows;
     gw_gl_buffer totals, frame;
     gw_gl_buffer given_rays, found_hits; /* of gw_renderer_trace */
     gw_sample_buffers samples;
@@ -97,7 +107,9 @@ struct gw_renderer {
 gw_code gw_renderer_reserve(gw_renderer *renderer, size_t slots, uint32_t fragments, int work,
                             gw_error *error);
 void gw_ray_buffers_finish(gw_ray_buffers *buffers);
-/* Clears the totals, or reads them; totals are cap hits, NaN pixels, queue length, 0. */
+/* What its scene and octree call for. */
+gw_code gw_renderer_take_features(gw_renderer *renderer, gw_error *error);
+/* Clears the totals, or reads them; totals are cap hits, NaN pixels, queue length, shadow rays. */
 gw_code gw_renderer_clear_totals(gw_renderer *renderer, gw_error *error);
 gw_code gw_renderer_read_totals(gw_renderer *renderer, uint32_t totals[4], gw_error *error);
 /* Adds the counted work of the first `slots` rays. */
@@ -111,6 +123,8 @@ size_t gw_renderer_chunk_slots(const gw_renderer *renderer);
 enum { GW_MOST_SAMPLES = 1 << 22, GW_MOST_SPARSE_SIDE = 496 };
 /* Bytes of one sample in the lists, and of one pixel. */
 enum { GW_SAMPLE_BYTES = 4 + 16, GW_SAMPLE_PIXEL_BYTES = 4 };
+/* With more lights than that which cast shadows, chunks are smaller in proportion. */
+enum { GW_CHUNK_LIGHTS = 4 };
 
 /* A frame under way. */
 typedef struct gw_frame_job {
@@ -128,9 +142,11 @@ typedef struct gw_frame_job {
     gw_counters counters;
 } gw_frame_job;
 
-/* renderer_batch.c: kernels for the job's key; both dispatched over slots; rounds over suspended rays. */
+/* renderer_batch.c: a program over the slots, or by the job's arguments; kernels for the job's key; one round
+ * of them over slots, or with resume over the queue `from`; rounds over suspended rays. */
+gw_code gw_frame_dispatch(gw_frame_job *job, GLuint program, size_t slots, gw_error *error);
 gw_code gw_frame_kernels(gw_frame_job *job, int resume, gw_error *error);
-gw_code gw_frame_dispatch(gw_frame_job *job, size_t slots, gw_error *error);
+gw_code gw_frame_round(gw_frame_job *job, size_t slots, int resume, int from, gw_error *error);
 gw_code gw_frame_resume(gw_frame_job *job, uint32_t queue_length, gw_error *error);
 /* renderer_frame.c: one batch of rays in slots from 0 on, also those that are suspended. */
 gw_code gw_frame_batch(gw_frame_job *job, size_t slots, gw_error *error);
@@ -144,6 +160,13 @@ uint32_t gw_most_rays_of_pixel(const gw_frame_block *block);
 gw_code gw_frame_count_samples(gw_frame_job *job, size_t block_count, gw_error *error);
 void gw_sample_buffers_finish(gw_sample_buffers *buffers);
 uint64_t gw_sample_buffers_bytes(const gw_sample_buffers *buffers);
+/* renderer_shadows.c: how much of each light reaches what the slots, or with resume the queue, have met;
+ * between trace and shade, counts what both totals held and clears them. Queues are left unbound. */
+gw_code gw_frame_shadows(gw_frame_job *job, size_t slots, int resume, gw_error *error);
+void gw_shadow_buffers_finish(gw_shadow_buffers *buffers);
+uint64_t gw_shadow_buffers_bytes(const gw_shadow_buffers *buffers);
+/* Room that one ray may need for its shadow rays. */
+uint64_t gw_shadow_ray_bytes(uint32_t fragments, uint32_t lights);
 
 /* renderer_accumulate.c: a frame of this view that shows `samples` samples; what is kept of another view, or
  * of more samples, is forgotten. */

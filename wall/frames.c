@@ -35,6 +35,7 @@ static const float_field float_fields[] = {
     {"separated_tau", offsetof(gw_frame_state, separated_tau), 1},
     {"strain", offsetof(gw_frame_state, strain), GW_MAXIMUM_STRAIN},
     {"gaze_footprint", offsetof(gw_frame_state, gaze_footprint), 4},
+    {"shadow_tau", offsetof(gw_frame_state, shadow_tau), 16},
 };
 
 typedef struct byte_field {

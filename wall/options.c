@@ -3,6 +3,7 @@
 #include "base/file.h"
 #include "base/memory.h"
 #include "base/suggest.h"
+#include "render/features.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -211,6 +212,9 @@ enum {
     KEY_REPORT,
     KEY_SHADERS,
     KEY_COUNT,
+    KEY_ALLOW,
+    KEY_FORBID,
+    KEY_FORCE,
     KEY_CACHE,
     KEY_CACHE_LIMIT,
     KEY_QUIET,
@@ -264,6 +268,14 @@ static const struct argp_option frame_options[] = {
      "ray), eccentricity, footprint, work of each ray: steps, loads (of nodes), tests (of triangles), "
      "voxels, or none; default none",
      10},
+    {"forbid-effect", KEY_FORBID, "NAME", 0,
+     "leave an effect out although the scene or a frame calls for it, such as shadows; may be repeated; "
+     "'gazewall inspect' lists them",
+     10},
+    {"force-effect", KEY_FORCE, "NAME", 0,
+     "compile an effect in although nothing calls for it (slower, same pixels); may be repeated", 10},
+    {"allow-effect", KEY_ALLOW, "NAME", 0,
+     "take back an earlier --forbid-effect or --force-effect: what calls for the effect decides", 10},
     {"count", KEY_COUNT, NULL, 0,
      "count steps, node loads and triangle tests for the report (slower, same pixels)", 11},
     {0}};
@@ -287,6 +299,23 @@ static gw_code set_by_name(gw_draw_options *options, const char *name, const cha
     snprintf(assignment, sizeof assignment, "%s=%s", name, text);
     gw_code code = gw_settings_assign(&options->settings, assignment, options->error);
     return code ? gw_context(options->error, "--%s", name) : GW_OK;
+}
+
+/* Of several options for one effect the last holds. */
+static gw_code set_effect(gw_draw_options *options, int key, const char *name) {
+    uint32_t bit = 0;
+    gw_code code = gw_feature_of_name(name, &bit, options->error);
+    options->force_effects &= ~bit;
+    options->forbid_effects &= ~bit;
+    if (key == KEY_FORCE)
+        options->force_effects |= bit;
+    else if (key == KEY_FORBID)
+        options->forbid_effects |= bit;
+    return code ? gw_context(options->error, "--%s-effect",
+                             key == KEY_FORCE    ? "force"
+                             : key == KEY_FORBID ? "forbid"
+                                                 : "allow")
+                : GW_OK;
 }
 
 static error_t parse_draw(int key, char *argument, struct argp_state *state) {
@@ -339,6 +368,11 @@ static error_t parse_draw(int key, char *argument, struct argp_state *state) {
         options->cache = argument;
         if (!*argument)
             code = gw_fail(error, GW_BAD_INPUT, "--cache has an empty name; give a folder, or 'none'");
+        break;
+    case KEY_ALLOW:
+    case KEY_FORBID:
+    case KEY_FORCE:
+        code = set_effect(options, key, argument);
         break;
     case KEY_COUNT:
         options->count = 1;

@@ -26,6 +26,7 @@ typedef struct gw_draw_options {
     uint32_t seed;
     double time; /* s */
     gw_debug_view debug;
+    uint32_t force_effects, forbid_effects; /* gw_feature bits, never both of one */
     gw_log_level level;
     int quiet;
     int count; /* count steps, node loads and triangle tests (slower, same pixels) */

@@ -143,8 +143,11 @@ static gw_code get_ready(gw_rank *rank, gw_conductor *conductor, gw_error *error
                           &rank->placement, error);
     if (code)
         return code;
-    gw_renderer_options options = {
-        .count = rank->options.draw.count, .settings = &rank->options.draw.settings, .log = &rank->line.log};
+    gw_renderer_options options = {.count = rank->options.draw.count,
+                                   .settings = &rank->options.draw.settings,
+                                   .force_features = rank->options.draw.force_effects,
+                                   .forbid_features = rank->options.draw.forbid_effects,
+                                   .log = &rank->line.log};
     code = gw_renderer_create(rank->model.device, &shared->scene.scene, &shared->octree, &options,
                               &rank->renderer, error);
     if (code)

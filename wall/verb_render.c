@@ -298,8 +298,11 @@ typedef struct render {
 
 static gw_code draw(render *r, gw_error *error) {
     const gw_rectangle rectangle = {.width = r->options.wall.size[0], .height = r->options.wall.size[1]};
-    gw_renderer_options how = {
-        .count = r->options.draw.count, .settings = &r->options.draw.settings, .log = &r->console.log};
+    gw_renderer_options how = {.count = r->options.draw.count,
+                               .settings = &r->options.draw.settings,
+                               .force_features = r->options.draw.force_effects,
+                               .forbid_features = r->options.draw.forbid_effects,
+                               .log = &r->console.log};
     gw_code code = make_view(&r->options, r->model.scene, &r->view, error);
     if (!code && !r->options.states)
         code = make_state(&r->options, &r->view, &r->state, error);

@@ -58,6 +58,8 @@ float children_share(float f, float v) {
 float triangles_share(float f, float v) {
 #ifdef VOXELS_ONLY
     return 0.0;
+#elif defined(SHADOW_RAYS) && !defined(SHADOW_LEAF_BLEND)
+    return 1.0; // a leaf is walked into only where it is about as wide as the ray: its triangles are cheap, and closed
 #elif defined(LEAF_BLEND)
     precise float w = clamp((v - f) / (0.5 * v), 0.0, 1.0);
     return w;

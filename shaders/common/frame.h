@@ -32,6 +32,7 @@ GW_VEC4(accuracy);   // tau, tau_inside, gaze_blend deg, gaze_margin deg
 GW_VEC4(acuity);     // slope, smallest period deg, voxel_slab, voxel_flatness
 GW_VEC4(background); // linear radiance; w: least_remainder
 GW_VEC4(ambient);    // linear irradiance; w: fold_agreement
+GW_VEC4(secondary);  // shadow_tau
 GW_IVEC4(window);    // rectangle: x and y of its first pixel, x and y past its last
 GW_IVEC4(chunk);     // first block's x and y (pixels, multiples of 8), blocks per row, number of blocks
 GW_IVEC4(list);      // grid of blocks that samples are listed for, chunk and rim: as chunk, x and y multiples of 16
@@ -105,6 +106,6 @@ GW_STRUCT_END(gw_gpu_light)
 // A suspended ray's state (trace/state.glsl), in words; shading needs to know where its transmittance and group opacity are.
 #define GW_STATE_WORDS 15u
 #define GW_STATE_TRANSMITTANCE 8u
-// Totals of one chunk: cap hits, NaN pixels, length of the queue.
+// Totals of one chunk: cap hits, NaN pixels, length of the queue, shadow rays.
 #define GW_TOTAL_WORDS 4
 #endif

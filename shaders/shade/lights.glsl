@@ -1,13 +1,21 @@
-// Light from everything that shines on a surface, without shadows.
-layout(binding = 7) uniform usamplerBuffer lights; // gw_gpu_light: directional ones first, then points
+// Light from everything that shines on a surface.
+#include "shade/light_list.glsl"
 
-vec3 light_surface(Surface surface, vec3 view) {
+#ifdef SHADOWS
+layout(std430, binding = 15) readonly buffer Visibilities { float visibilities[]; }; // [fragment][light], 0..1
+#define VISIBILITY(fragment, light) visibilities[(fragment) * light_count() + (light)]
+#else
+#define VISIBILITY(fragment, light) 1.0
+#endif
+
+// fragment: which of the dispatch it is.
+vec3 light_surface(Surface surface, vec3 view, uint fragment) {
     precise vec3 radiance = surface.emissive + reflect_ambient(surface, frame.ambient.rgb);
 #ifdef DIRECTIONAL_LIGHTS
     for (uint i = 0u; i < frame.counts.y; ++i) {
         vec3 towards = uintBitsToFloat(texelFetch(lights, int(i) * 2).xyz);
         vec3 irradiance = uintBitsToFloat(texelFetch(lights, int(i) * 2 + 1).xyz);
-        radiance += reflect_light(surface, view, towards, irradiance);
+        radiance += reflect_light(surface, view, towards, irradiance) * VISIBILITY(fragment, i);
     }
 #endif
 #ifdef POINT_LIGHTS
@@ -16,7 +24,7 @@ vec3 light_surface(Surface surface, vec3 view) {
         vec3 intensity = uintBitsToFloat(texelFetch(lights, int(i) * 2 + 1).xyz);
         float rebased = max(length_precise(to_light), 1e-12);
         precise float metres = max(rebased * frame.eye.w, 1e-3);
-        radiance += reflect_light(surface, view, to_light / rebased, intensity / (metres * metres));
+        radiance += reflect_light(surface, view, to_light / rebased, intensity / (metres * metres)) * VISIBILITY(fragment, i);
     }
 #endif
     return radiance;

@@ -24,6 +24,7 @@ vec4 vertex_color(uint word) {
 // The geometric normal on the ray's side, and how much texture a unit of surface holds.
 struct Corner_weights {
     vec3 weights; // of the triangle's vertices at the hit
+    vec3 position; // the hit, in the triangle's plane to within rounding of its corners
     vec3 normal;
     float doubled_area;
 };
@@ -43,6 +44,8 @@ Corner_weights weights_at(uint triangle, float t, vec3 origin, vec3 direction) {
     of_c = clamp(of_c, 0.0, 1.0 - of_b);
     Corner_weights result;
     result.weights = vec3(1.0 - of_b - of_c, of_b, of_c);
+    precise vec3 position = a + ab * of_b + ac * of_c;
+    result.position = position;
     result.normal = dot(unit, direction) > 0.0 ? -unit : unit;
     result.doubled_area = area;
     return result;

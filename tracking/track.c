@@ -212,16 +212,17 @@ static gw_code fail_empty(const reader *r, gw_error *error) {
     const gw_track_counters *c = &r->track->counters;
     char senders[256];
     list_senders(r, senders, sizeof senders);
-    return gw_fail(
-        error, GW_BAD_INPUT,
-        "%s: no usable pose of a head (sensor 0) or a gaze (sensor 1)%s%s in %llu records (%llu of sensors "
-        "other than 0 and 1, %llu not finite, %llu of other senders, %llu of other types; senders: %s); "
-        "record it again or name another sender",
-        r->name, r->wanted_sender != NULL ? " of sender " : "",
-        r->wanted_sender != NULL ? r->wanted_sender : "", (unsigned long long)c->records,
-        (unsigned long long)c->bad_sensor, (unsigned long long)c->not_finite,
-        (unsigned long long)(c->other_sender + c->unknown_sender),
-        (unsigned long long)(c->other_type + c->unknown_type), senders);
+    return gw_fail(error, GW_BAD_INPUT,
+                   "%s: no usable pose of a head (sensor 0, 2, 4 or 6) or a gaze (sensor 1, 3, 5 or 7)%s%s "
+                   "in %llu records "
+                   "(%llu of sensors other than 0 to 7, %llu not finite, %llu of other senders, %llu of "
+                   "other types; senders: %s); "
+                   "record it again or name another sender",
+                   r->name, r->wanted_sender != NULL ? " of sender " : "",
+                   r->wanted_sender != NULL ? r->wanted_sender : "", (unsigned long long)c->records,
+                   (unsigned long long)c->bad_sensor, (unsigned long long)c->not_finite,
+                   (unsigned long long)(c->other_sender + c->unknown_sender),
+                   (unsigned long long)(c->other_type + c->unknown_type), senders);
 }
 
 static gw_code read_all(reader *r, const uint8_t *data, size_t size, gw_error *error) {

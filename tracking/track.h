@@ -1,9 +1,10 @@
 /* Tracks: recordings of trackers, and what they say at a moment.
  *
- * A track is a VRPN log file (docs/tracks.md): Pos_Quat reports of a head sensor and, if there is one, a gaze
- * sensor whose orientation is the gaze (its -z axis). Poses are in wall space: millimetres, right-handed, the
- * viewer looks along -z at the wall, y up. Reading is hostile-safe: every length is bounded, unknown records
- * are counted and skipped. Read-only after loading; any thread may sample it. */
+ * A track is a VRPN log file (docs/tracks.md): Pos_Quat reports of up to four viewers, each with a head
+ * sensor and, if there is one, a gaze sensor whose orientation is the gaze (its -z axis). Poses are in wall
+ * space: millimetres, right-handed, the viewer looks along -z at the wall, y up. Reading is hostile-safe:
+ * every length is bounded, unknown records are counted and skipped. Read-only after loading; any thread may
+ * sample it. */
 #ifndef GW_TRACKING_TRACK_H
 #define GW_TRACKING_TRACK_H
 
@@ -13,7 +14,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { GW_SENSOR_HEAD = 0, GW_SENSOR_GAZE = 1, GW_TRACK_SENSORS = 2 };
+/* Sensors of viewer v: 2 v is the head, 2 v + 1 the gaze. */
+enum {
+    GW_SENSOR_HEAD = 0,
+    GW_SENSOR_GAZE = 1,
+    GW_TRACK_VIEWERS = 4,
+    GW_TRACK_SENSORS = 2 * GW_TRACK_VIEWERS
+};
 
 /* One report of one sensor. Position in mm (wall space), orientation as unit quaternion x, y, z, w. */
 typedef struct gw_pose_report {
@@ -35,7 +42,7 @@ typedef struct gw_track_counters {
     uint64_t unknown_sender; /* a pose of a sender that was not described before */
     uint64_t bad_payload;  /* a pose not of 64 bytes; a description without a proper name or with an id out of
                               range */
-    uint64_t bad_sensor;   /* a pose of a sensor other than head and gaze */
+    uint64_t bad_sensor;   /* a pose of a sensor beyond those of the viewers */
     uint64_t not_finite;   /* not a pose: NaN, infinite, beyond 1000 km, or a zero quaternion */
     uint64_t out_of_order; /* used, but earlier than the one before it in the file */
 } gw_track_counters;
@@ -70,7 +77,7 @@ gw_code gw_track_parse(const void *data, size_t size, const char *name, const gw
 gw_code gw_track_demo(double width, double height, gw_track **out, gw_error *error);
 void gw_track_destroy(gw_track **track);
 
-/* Head and gaze at a moment; ages say how old the reports behind them are. */
+/* Head and gaze of one viewer at a moment; ages say how old the reports behind them are. */
 typedef struct gw_track_sample {
     int has_head, has_gaze;
     double eye[3];              /* mm */
@@ -81,9 +88,9 @@ typedef struct gw_track_sample {
                           reports */
 } gw_track_sample;
 
-/* Interpolates (position linear, orientation slerp on the shorter way) between the reports around time (ns,
- * clamped to the track). A gaze sensor's orientation turns (0,0,-1) onto the gaze. The eye is the head
- * sensor's position. */
-void gw_track_at(const gw_track *track, int64_t time, gw_track_sample *out);
+/* Of viewer 0 to GW_TRACK_VIEWERS - 1. Interpolates (position linear, orientation slerp on the shorter way)
+ * between the reports around time (ns, clamped to the track). A gaze sensor's orientation turns (0,0,-1) onto
+ * the gaze. The eye is the head sensor's position. */
+void gw_track_at(const gw_track *track, uint32_t viewer, int64_t time, gw_track_sample *out);
 
 #endif

@@ -80,18 +80,19 @@ static void gaze_of(const double q[4], double direction[3]) {
         direction[i] /= length;
 }
 
-void gw_track_at(const gw_track *track, int64_t time, gw_track_sample *out) {
+void gw_track_at(const gw_track *track, uint32_t viewer, int64_t time, gw_track_sample *out) {
     *out = (gw_track_sample){0};
     int64_t moment = time < 0 ? 0 : time > track->duration ? track->duration : time;
+    const int first = 2 * (int)viewer;
     int64_t oldest = 0;
     pose at;
-    if (pose_at(track, GW_SENSOR_HEAD, moment, &at)) {
+    if (pose_at(track, first + GW_SENSOR_HEAD, moment, &at)) {
         out->has_head = 1;
         out->head_age = oldest = at.age;
         for (int i = 0; i < 3; i++)
             out->eye[i] = at.position[i];
     }
-    if (pose_at(track, GW_SENSOR_GAZE, moment, &at)) {
+    if (pose_at(track, first + GW_SENSOR_GAZE, moment, &at)) {
         out->has_gaze = 1;
         out->gaze_age = at.age;
         oldest = at.age > oldest ? at.age : oldest;

@@ -105,14 +105,18 @@ static void add_gaze(gw_frame_state *state, const double eye[3], const double di
 
 void gw_frame_look(gw_frame_state *state, const gw_track *track, int64_t time, const double neutral_eye[3],
                    const gw_settings *settings) {
-    gw_track_sample sample;
-    memset(&sample, 0, sizeof sample);
-    gw_track_at(track, time, &sample);
+    _Static_assert((int)GW_TRACK_VIEWERS <= (int)GW_MAXIMUM_VIEWERS, "a gaze for each viewer");
     state->time = time;
-    memcpy(state->eye, sample.has_head ? sample.eye : neutral_eye, sizeof state->eye);
-    if (sample.has_gaze)
-        add_gaze(state, state->eye, sample.gaze_direction, settings, (double)sample.gaze_age * 1e-9,
-                 sample.confidence);
+    for (uint32_t viewer = 0; viewer < GW_TRACK_VIEWERS; viewer++) {
+        gw_track_sample sample;
+        gw_track_at(track, viewer, time, &sample);
+        const double *eye = sample.has_head ? sample.eye : neutral_eye;
+        if (viewer == 0)
+            memcpy(state->eye, eye, sizeof state->eye);
+        if (sample.has_gaze && sample.confidence > 0)
+            add_gaze(state, eye, sample.gaze_direction, settings, (double)sample.gaze_age * 1e-9,
+                     sample.confidence);
+    }
 }
 
 void gw_frame_stare(gw_frame_state *state, const double eye[3], const double *target,

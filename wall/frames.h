@@ -20,8 +20,9 @@
 void gw_frame_begin(gw_frame_state *state, uint32_t frame, const gw_settings *settings, uint32_t seed,
                     gw_debug_view debug);
 
-/* Eye and gaze from a track at time (ns). Where the track has no head, neutral_eye (mm) stands in; where it
- * has no gaze, nobody's gaze is known and all is sharp. */
+/* Eyes and gazes from a track at time (ns). The picture is drawn for the first viewer's eye; the gazes of all
+ * viewers count. Where a viewer has no head, neutral_eye (mm) stands in; one without a gaze, or whose gaze
+ * has no confidence left, is not in the list; without any, nobody's gaze is known and all is sharp. */
 void gw_frame_look(gw_frame_state *state, const gw_track *track, int64_t time, const double neutral_eye[3],
                    const gw_settings *settings);
 

@@ -126,9 +126,11 @@ static void print_range(const gw_track *track, int sensor) {
 }
 
 static gw_code print_sensor(const gw_track *track, int sensor, gw_error *error) {
-    static const char *const names[GW_TRACK_SENSORS] = {"head", "gaze"};
+    static const char *const names[2] = {"head", "gaze"};
     size_t count = track->sensor_count[sensor];
-    printf("sensor %d %s: %zu poses", sensor, names[sensor], count);
+    if (count == 0 && sensor > GW_SENSOR_GAZE)
+        return GW_OK; /* a viewer who is not there */
+    printf("sensor %d %s: %zu poses", sensor, names[sensor % 2], count);
     if (count == 0) {
         puts("");
         return GW_OK;

@@ -23,16 +23,20 @@ static inline void fuzz_vrpn_log(const uint8_t *data, size_t size) {
         return;
     }
     fuzz_require(track->report_count > 0 && track->report_count == track->counters.poses);
-    fuzz_require(track->report_count == track->sensor_count[0] + track->sensor_count[1]);
+    size_t counted = 0;
+    for (int sensor = 0; sensor < GW_TRACK_SENSORS; sensor++)
+        counted += track->sensor_count[sensor];
+    fuzz_require(track->report_count == counted);
     for (size_t i = 0; i < track->report_count; i++) {
         const gw_pose_report *r = &track->reports[i];
         const double *q = r->orientation;
         fuzz_require(i == 0 ? r->time == 0 : r->time >= r[-1].time);
         fuzz_require(fabs(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - 1.0) < 1e-12);
     }
-    for (int step = -1; step <= 8; step++) {
+    for (int step = -1; step < 9 * GW_TRACK_VIEWERS; step++) {
         gw_track_sample sample;
-        gw_track_at(track, track->duration / 8 * step, &sample);
+        gw_track_at(track, (uint32_t)(step + 1) % GW_TRACK_VIEWERS,
+                    track->duration / 8 * (step / GW_TRACK_VIEWERS), &sample);
         fuzz_require(sample.confidence >= 0.0 && sample.confidence <= 1.0 && sample.head_age >= 0);
         const double *d = sample.gaze_direction;
         if (sample.has_gaze)

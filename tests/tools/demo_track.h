@@ -82,7 +82,7 @@ static inline void demo_record(gw_pose_report reports[DEMO_REPORTS]) {
         double to_wall[3] = {point[0] - eye[0], point[1] - eye[1], -eye[2]};
         /* The head turns half as far as the eyes do. */
         double facing[3] = {0.5 * to_wall[0], 0.5 * to_wall[1], to_wall[2]};
-        for (int sensor = 0; sensor < GW_TRACK_SENSORS; sensor++) {
+        for (int sensor = 0; sensor <= GW_SENSOR_GAZE; sensor++) {
             gw_pose_report *report = &reports[2 * i + sensor];
             *report = (gw_pose_report){.time = (int64_t)i * 1000000000 / DEMO_RATE, .sensor = sensor};
             memcpy(report->position, eye, sizeof eye);

@@ -70,7 +70,7 @@ static void the_track_speaks(void **state) {
     gw_frame_begin(&s, 0, &settings, 0, GW_DEBUG_NONE);
     gw_frame_look(&s, track, track->duration / 3, neutral, &settings);
     gw_track_sample sample;
-    gw_track_at(track, track->duration / 3, &sample);
+    gw_track_at(track, 0, track->duration / 3, &sample);
     assert_true(sample.has_head && sample.has_gaze);
     assert_memory_equal(s.eye, sample.eye, sizeof s.eye);
     assert_int_equal(s.gaze_count, 1);

@@ -69,7 +69,7 @@ static void positions_are_interpolated_and_clamped(void **state) {
                 {100 * second, {100, 300, 1700}},   {INT64_MAX, {100, 300, 1700}},
                 {INT64_MIN, {0, 100, 1500}}};
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        gw_track_at(track, rows[i].time, &sample);
+        gw_track_at(track, 0, rows[i].time, &sample);
         assert_true(sample.has_head && !sample.has_gaze);
         for (int axis = 0; axis < 3; axis++)
             assert_near(sample.eye[axis], rows[i].eye[axis], 1e-9);
@@ -85,7 +85,7 @@ static void gaze_between(const double a[4], const double b[4], double t, double 
     memcpy(reports[1].orientation, b, sizeof reports[1].orientation);
     gw_track *track = track_of(reports, 2);
     gw_track_sample sample;
-    gw_track_at(track, (int64_t)(t * (double)second), &sample);
+    gw_track_at(track, 0, (int64_t)(t * (double)second), &sample);
     assert_true(sample.has_gaze);
     memcpy(direction, sample.gaze_direction, sizeof sample.gaze_direction);
     gw_track_destroy(&track);
@@ -160,7 +160,7 @@ static void ages_and_confidence_tell_of_missing_reports(void **state) {
         {9000000000, 0, 2000000000, 0.0},
     };
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        gw_track_at(track, rows[i].time, &sample);
+        gw_track_at(track, 0, rows[i].time, &sample);
         assert_int_equal(sample.head_age, rows[i].head_age);
         assert_int_equal(sample.gaze_age, rows[i].gaze_age);
         assert_near(sample.confidence, rows[i].confidence, 1e-12);
@@ -232,7 +232,7 @@ static void demo_gaze_crosses_tile_borders(void **state) {
     for (int64_t time = 0; time <= track->duration; time += second / 60) {
         gw_track_sample sample;
         double point[2];
-        gw_track_at(track, time, &sample);
+        gw_track_at(track, 0, time, &sample);
         wall_point(&sample, point);
         assert_true(fabs(point[0]) < 1500.0 && fabs(point[1]) < 450.0);
         for (int axis = 0; time > 0 && axis < 2; axis++)
@@ -261,8 +261,8 @@ static void demo_is_fitted_to_the_wall(void **state) {
     for (int64_t time = 0; time <= recorded->duration; time += second / 30) {
         gw_track_sample a, b;
         double from[2], to[2];
-        gw_track_at(recorded, time, &a);
-        gw_track_at(fitted, time, &b);
+        gw_track_at(recorded, 0, time, &a);
+        gw_track_at(fitted, 0, time, &b);
         assert_true(fabs(a.eye[0]) < 310.0 && a.eye[2] > 1500.0 && a.eye[2] < 2000.0);
         assert_near(b.eye[0], 3.0 * a.eye[0], 1e-9);
         assert_near(b.eye[1], 0.75 * a.eye[1], 1e-9);

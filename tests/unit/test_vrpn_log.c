@@ -269,7 +269,7 @@ static void what_is_skipped_is_counted(void **state) {
     put_pose(&log, 3, 5, 20, 0, plain_pose); /* other_sender */
     put_pose(&log, 3, 6, 20, 0, plain_pose); /* unknown_sender */
     put_pose(&log, 3, INT32_MIN, 20, 0, plain_pose);
-    put_pose(&log, 3, 0, 30, 2, plain_pose);  /* bad_sensor */
+    put_pose(&log, 3, 0, 30, 8, plain_pose);  /* bad_sensor */
     put_pose(&log, 3, 0, 30, -1, plain_pose); /* bad_sensor */
     const double bad[5][7] = {{NAN, 0, 0, 0, 0, 0, 1},
                               {INFINITY, 0, 0, 0, 0, 0, 1},

@@ -13,6 +13,7 @@
 #include "wall/model.h"
 #include "wall/report.h"
 #include "wall/sim_options.h"
+#include "wall/triple.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -24,7 +25,7 @@
 typedef struct render_options {
     gw_draw_options draw;
     gw_wall_options wall;
-    const char *out, *states, *viewpoint, *path;
+    const char *out, *triple, *states, *viewpoint, *path;
     int64_t frame; /* of --states; -1: the first */
     int has_eye, has_look_at, has_fov;
     double eye[3], look_at[3], fov; /* scene metres; deg */
@@ -45,13 +46,19 @@ enum {
     KEY_BUDGET,
     KEY_STATES,
     KEY_FRAME,
-    KEY_OUT
+    KEY_OUT,
+    KEY_TRIPLE
 };
 
 static const struct argp_option options_table[] = {
     {NULL, 0, NULL, 0, "The picture:", 1},
     {"size", KEY_SIZE, "WxH", 0, "px, default 960x540", 1},
     {"out", KEY_OUT, "FILE.png", 0, "write the picture there", 1},
+    {"triple", KEY_TRIPLE, "FOLDER", 0,
+     "draw it once more, exact and with 16 rays a pixel, and write both, their difference as the eye sees it "
+     "(FLIP), and "
+     "all side by side as triple.png there",
+     1},
     {"wall-width", KEY_WALL_WIDTH, "MM", 0,
      "10 to 1e6 mm, default 2000: the picture is a wall so wide; the viewer stands 0.9 of it away", 1},
     {NULL, 0, NULL, 0, "Where from (default: as the scene is placed behind the wall):", 2},
@@ -105,6 +112,9 @@ static error_t parse_render(int key, char *argument, struct argp_state *state) {
         break;
     case KEY_OUT:
         code = gw_parse_name("--out", argument, &o->out, error);
+        break;
+    case KEY_TRIPLE:
+        code = gw_parse_name("--triple", argument, &o->triple, error);
         break;
     case KEY_VIEWPOINT:
         o->viewpoint = argument;
@@ -294,6 +304,7 @@ typedef struct render {
     gw_counters counters;
     gw_predicted_error predicted;
     double milliseconds;
+    json_t *triple; /* numbers, or NULL */
 } render;
 
 static gw_code draw(render *r, gw_error *error) {
@@ -322,6 +333,17 @@ static gw_code draw(render *r, gw_error *error) {
                                    &rectangle, &r->state, &r->predicted, error);
 }
 
+static gw_code write_triple(render *r, gw_error *error) {
+    const gw_triple_view drawn = {.scene = r->model.scene,
+                                  .octree = r->model.octree,
+                                  .renderer = r->renderer,
+                                  .placement = &r->view.placement,
+                                  .plane = &r->view.plane,
+                                  .state = &r->state};
+    return r->options.triple ? gw_triple_write(&drawn, &r->image, r->options.triple, &r->triple, error)
+                             : GW_OK;
+}
+
 static gw_code fill_report(render *r, gw_error *error) {
     const gw_gl_limits *limits = gw_gl_limits_of(r->model.device);
     const int64_t never_lost[GW_MAXIMUM_TILES] = {-1};
@@ -335,6 +357,8 @@ static gw_code fill_report(render *r, gw_error *error) {
     gw_report_counters(r->report, &r->counters);
     gw_report_predicted_error(r->report, &r->predicted, &r->state, json_null());
     gw_report_image(r->report, r->options.out, &r->image);
+    if (r->triple)
+        json_object_set(r->report, "triple", r->triple);
     gw_code code = gw_report_floats(r->report, r->model.device, error);
     return code ? code : gw_renderer_report(r->renderer, r->report, error);
 }
@@ -358,6 +382,14 @@ static gw_code write_results(render *r, gw_error *error) {
                r->image.width, r->image.height, r->milliseconds, (double)r->counters.rays * 1e-6,
                o->out ? "; look at " : "", o->out ? o->out : "");
     }
+    if (!code && !o->draw.quiet && r->triple) {
+        const json_t *seen = json_object_get(r->triple, "seen_flip");
+        printf("difference from exact (FLIP, 0 to 1): %.4f",
+               json_number_value(json_object_get(r->triple, "flip")));
+        if (!json_is_null(seen))
+            printf(", seen by who looks there %.4f", json_number_value(seen));
+        printf("; look at %s/triple.png\n", o->triple);
+    }
     return code;
 }
 
@@ -380,6 +412,8 @@ int gw_verb_render(int argc, char **argv) {
         code = make_layout(&r.options, &r.view, &error);
     if (!code)
         code = gw_file_writable(r.options.out, &error);
+    if (!code && r.options.triple)
+        code = gw_make_directories(r.options.triple, &error);
     if (!code)
         code = gw_file_writable(r.options.draw.report, &error);
     if (!code && r.options.states)
@@ -392,11 +426,14 @@ int gw_verb_render(int argc, char **argv) {
     if (!code)
         code = draw(&r, &error);
     if (!code)
+        code = write_triple(&r, &error);
+    if (!code)
         code = write_results(&r, &error);
     gw_renderer_destroy(&r.renderer);
     gw_model_close(&r.model);
     gw_image_finish(&r.image);
     json_decref(r.report);
+    json_decref(r.triple);
     gw_console_finish(&r.console);
     return code ? gw_console_fail("render", &error) : GW_OK;
 }

@@ -78,7 +78,7 @@ expect "no such track on the wall" 2 "nowhere.vrpn" sim "${scene[@]}" --track "$
 expect "no such states" 2 "nowhere.json" render "${scene[@]}" --states "$folder/nowhere.json"
 echo '{"gazewall": 1}' >"$folder/other.json"
 expect "states that are none" 2 "other.json:1: no recording of frame states" render "${scene[@]}" --states "$folder/other.json"
-printf '{"gazewall_states": 1}\n{"frame": 0, "time": 0, "seed": 0, "eye": [0, 0]}\n' >"$folder/short.json"
+printf '{"gazewall_states": 1}\n{"frame": 0, "time": 0, "seed": 0, "epoch": 0, "accumulate": 1, "eye": [0, 0]}\n' >"$folder/short.json"
 expect "a state with half an eye" 2 "short.json:2: 'eye' is missing or not three numbers" render "${scene[@]}" --states "$folder/short.json"
 expect "a picture that cannot be written" 5 "$folder/nowhere/a.png" render "${scene[@]}" --size 32x32 --out "$folder/nowhere/a.png"
 expect "a report that cannot be written" 5 "$folder/nowhere/r.json" render "${scene[@]}" --size 32x32 --report "$folder/nowhere/r.json"
@@ -115,6 +115,13 @@ expect "a path that is none" 2 "has no camera path 'walk'; it has 1, the first i
 "$program" render "${on_path[@]}" --eye 5,2,4 --look-at 0,0,0 --fov 50 --size 32x32 --out "$folder/eye.png"
 is "a picture on a path is that of a camera there" "$(cmp "$folder/on-path.png" "$folder/eye.png" 2>&1)" ""
 expect "two cameras" 2 "leave out --viewpoint" render "${on_path[@]}" --path 0 --viewpoint 0
+expect "exact, approximate, difference, seen" 0 "seen by who looks there" render --scene "$folder/path.yaml" --set octree_depth=5 \
+    --path 0 --size 48x40 --gaze 8,8 --tau 8 --triple "$folder/triple" --report "$folder/triple.json"
+is "four of them side by side" "$(od -An -tu4 --endian=big -j16 -N8 "$folder/triple/triple.png" | tr -s ' ')" " 192 40"
+is "they differ, and it is told" "$(json "$folder/triple.json" '["triple"] and 0 < d["triple"]["seen_flip"] <= d["triple"]["flip"] < 1')" True
+"$program" render "${on_path[@]}" --path 0 --size 48x40 --samples 16 --triple "$folder/equal" --report "$folder/equal.json"
+is "what is exact does not differ from itself" \
+    "$(json "$folder/equal.json" '["triple"]["flip"], d["triple"]["seen_flip"]') $([ -e "$folder/equal/seen.png" ] || echo none)" "(0.0, None) none"
 "$program" bench layouts --quick --size 32x32 --repeats 1 "${scene[@]}" --out "$folder/layouts"
 is "layouts that were compared" $? 0
 is "they are in the report" "$(json "$folder/layouts/layouts.json" '["bench"]["layouts"][6]["name"]')" "seed64"

@@ -1,0 +1,136 @@
+#include "wall/triple.h"
+
+#include "base/memory.h"
+#include "base/portable_math.h"
+#include "render/acuity_filter.h"
+#include "render/flip.h"
+#include "render/frame_block.h"
+#include "render/vector3.h"
+#include "wall/picture.h"
+
+#include <stdlib.h>
+
+enum { PARTS = 4 };
+static const char *const part_names[PARTS] = {"exact", "approximate", "difference", "seen"};
+
+typedef struct triple {
+    const gw_triple_view *view;
+    const gw_image *parts[PARTS];
+    gw_image exact, difference, seen;
+    double pixels_per_degree, flip, seen_flip;
+    int gazed;
+} triple;
+
+static gw_frame_state exact_state(const gw_frame_state *state) {
+    gw_frame_state exact = *state;
+    exact.tau = exact.tau_inside = 0;
+    exact.geometry = GW_GEOMETRY_HYBRID;
+    exact.gaze_count = 0;
+    exact.debug = GW_DEBUG_NONE;
+    exact.samples = 4; /* log2 */
+    exact.accumulate = 1;
+    exact.epoch = 0;
+    return exact;
+}
+
+/* At the picture's middle. */
+static double density_of(const gw_triple_view *view, const gw_image *picture) {
+    double along[3];
+    for (int k = 0; k < 3; k++)
+        along[k] = view->plane->corner[k] + 0.5 * picture->width * view->plane->step_x[k] +
+                   0.5 * picture->height * view->plane->step_y[k] - view->state->eye[k];
+    double pitch = sqrt(gw_dot(view->plane->step_x, view->plane->step_x));
+    return fmin(fmax(sqrt(gw_dot(along, along)) * tan(GW_PI / 180) / pitch, 1), 1000);
+}
+
+/* 0..1 as black, red, yellow, white. */
+static void heat(float value, uint8_t *rgba) {
+    for (int c = 0; c < 3; c++) {
+        double share = fmin(fmax(3 * (double)value - c, 0), 1);
+        rgba[c] = (uint8_t)(255 * share + 0.5);
+    }
+    rgba[3] = 255;
+}
+
+static gw_code compare(const gw_image *reference, const gw_image *picture, double pixels_per_degree,
+                       gw_image *out, double *mean, gw_error *error) {
+    size_t pixels = (size_t)picture->width * picture->height;
+    float *map = NULL;
+    gw_code code = gw_allocate((void **)&map, pixels, sizeof *map, "differences", error);
+    if (!code)
+        code = gw_image_create(picture->width, picture->height, out, error);
+    if (!code)
+        code = gw_flip(reference, picture, pixels_per_degree, map, mean, error);
+    for (size_t i = 0; i < pixels && !code; i++)
+        heat(map[i], out->rgba + i * 4);
+    free(map);
+    return code;
+}
+
+static gw_code compare_seen(triple *t, gw_error *error) {
+    const gw_triple_view *view = t->view;
+    gw_image filtered[2] = {{0}, {0}};
+    gw_frame_block block;
+    gw_code code = gw_frame_block_fill(view->scene, view->octree, view->placement, view->plane, view->state,
+                                       &block, NULL, error);
+    for (int i = 0; i < 2 && !code; i++)
+        code = gw_acuity_filter(t->parts[i], &block, &filtered[i], error);
+    if (!code)
+        code = compare(&filtered[0], &filtered[1], t->pixels_per_degree, &t->seen, &t->seen_flip, error);
+    gw_image_finish(&filtered[0]);
+    gw_image_finish(&filtered[1]);
+    return code;
+}
+
+static gw_code write_part(const char *folder, const char *name, const gw_image *image, gw_error *error) {
+    char *path = gw_picture_path(folder, "%s.png", name);
+    gw_code code = path ? gw_image_write_png(path, image, NULL, error)
+                        : gw_fail(error, GW_MACHINE, "memory is out while naming a picture");
+    free(path);
+    return code;
+}
+
+static gw_code write_parts(const triple *t, const char *folder, gw_error *error) {
+    const int count = t->gazed ? PARTS : PARTS - 1;
+    const uint32_t width = t->exact.width;
+    gw_image all = {0};
+    gw_code code = gw_image_create(width * (uint32_t)count, t->exact.height, &all, error);
+    for (int i = 0; i < count && !code; i++) {
+        gw_image_place(&all, t->parts[i], (int64_t)i * width, 0);
+        code = write_part(folder, part_names[i], t->parts[i], error);
+    }
+    if (!code)
+        code = write_part(folder, "triple", &all, error);
+    gw_image_finish(&all);
+    return code;
+}
+
+gw_code gw_triple_write(const gw_triple_view *view, const gw_image *approximate, const char *folder,
+                        json_t **numbers, gw_error *error) {
+    triple t = {.view = view, .gazed = view->state->gaze_count > 0};
+    const gw_frame_state state = exact_state(view->state);
+    const gw_rectangle all = {.width = approximate->width, .height = approximate->height};
+    t.pixels_per_degree = density_of(view, approximate);
+    t.parts[0] = &t.exact;
+    t.parts[1] = approximate;
+    t.parts[2] = &t.difference;
+    t.parts[3] = &t.seen;
+    gw_code code = gw_image_create(all.width, all.height, &t.exact, error);
+    if (!code)
+        code = gw_renderer_frame(view->renderer, view->placement, view->plane, &all, &state, t.exact.rgba,
+                                 NULL, error);
+    if (!code)
+        code = compare(&t.exact, approximate, t.pixels_per_degree, &t.difference, &t.flip, error);
+    if (!code && t.gazed)
+        code = compare_seen(&t, error);
+    if (!code)
+        code = write_parts(&t, folder, error);
+    if (!code)
+        *numbers = json_pack("{s:f, s:o, s:f, s:i}", "flip", t.flip, "seen_flip",
+                             t.gazed ? json_real(t.seen_flip) : json_null(), "pixels_per_degree",
+                             t.pixels_per_degree, "rays", GW_TRIPLE_RAYS);
+    gw_image_finish(&t.exact);
+    gw_image_finish(&t.difference);
+    gw_image_finish(&t.seen);
+    return code;
+}

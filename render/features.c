@@ -2,6 +2,8 @@
 #include "render/features.h"
 
 #include "base/suggest.h"
+#include "build/gpu_types.h"
+#include "shaders/common/frame.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -23,6 +25,8 @@ const gw_feature_row gw_feature_rows[] = {
     {GW_FEATURE_DENSE_LEAVES, "dense-leaves", "DENSE_LEAVES", "no leaf has more than dense_leaf triangles"},
     {GW_FEATURE_ACCUMULATE, "accumulation", "ACCUMULATE", "accumulate is 1: every frame stands for itself"},
     {GW_FEATURE_SHADOWS, "shadows", "SHADOWS", "the scene has no light that could cast any"},
+    {GW_FEATURE_MIRROR, "mirror", "MIRROR",
+     "no material in use is a perfect mirror: metalness 1, roughness at most 0.02"},
 };
 const size_t gw_feature_count = sizeof gw_feature_rows / sizeof gw_feature_rows[0];
 
@@ -49,6 +53,8 @@ static uint32_t features_of_material(const gw_material *material) {
         bits |= GW_FEATURE_TEXTURES;
     if (material->emissive[0] > 0.0f || material->emissive[1] > 0.0f || material->emissive[2] > 0.0f)
         bits |= GW_FEATURE_EMISSIVE;
+    if (material->metalness >= 1.0f && material->roughness <= (float)GW_MIRROR_ROUGHNESS)
+        bits |= GW_FEATURE_MIRROR;
     if (material->alpha_mode != GW_ALPHA_OPAQUE)
         bits |= GW_FEATURE_ALPHA;
     return bits;
@@ -147,6 +153,8 @@ gw_code gw_kernel_defines(const gw_kernel_key *key, char *text, size_t size, gw_
         append(&out, "#define COUNT 1\n");
     if (key->any_hit)
         append(&out, "#define ANY_HIT 1\n");
+    if (key->reflected)
+        append(&out, "#define REFLECTED 1\n");
     if (key->resume)
         append(&out, "#define RESUME 1\n");
     if (out.used >= out.size)

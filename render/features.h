@@ -27,7 +27,8 @@ typedef enum gw_feature {
     GW_FEATURE_SPARSE = 1 << 10,       /* fewer rays than pixels where viewers cannot tell */
     GW_FEATURE_DENSE_LEAVES = 1 << 11, /* lists under boxes */
     GW_FEATURE_ACCUMULATE = 1 << 12,   /* samples of a still view add up */
-    GW_FEATURE_SHADOWS = 1 << 13       /* what stands before a light keeps it away */
+    GW_FEATURE_SHADOWS = 1 << 13,      /* what stands before a light keeps it away */
+    GW_FEATURE_MIRROR = 1 << 14        /* perfect mirrors reflect, once */
 } gw_feature;
 
 /* What frames decide, not the scene. */
@@ -61,6 +62,7 @@ typedef struct gw_kernel_key {
     uint32_t loop_budget;
     uint32_t debug; /* gw_debug_view */
     int voxels_only, level_blend, leaf_blend, double_edges, count, resume, any_hit;
+    int reflected;      /* its rays come from mirrors */
     int voxel_emission; /* the octree knows what its voxels emit */
 } gw_kernel_key;
 

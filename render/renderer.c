@@ -87,6 +87,7 @@ void gw_renderer_destroy(gw_renderer **renderer) {
     gw_renderer *r = *renderer;
     gw_ray_buffers_finish(&r->rays);
     gw_shadow_buffers_finish(&r->shadows);
+    gw_mirror_buffers_finish(&r->mirrors);
     gw_scene_buffers_finish(&r->buffers);
     gw_moving_destroy(&r->moving);
     gw_gl_buffer_finish(&r->totals);
@@ -106,36 +107,56 @@ static const struct {
     size_t offset; /* in gw_ray_buffers */
     size_t bytes;  /* a ray */
     int counting;  /* exists only if work is counted */
+    int picture;   /* exists only for rays of pixels */
 } ray_rows[] = {
-    {"ray statuses", offsetof(gw_ray_buffers, statuses), 8, 0},
-    {"ray states", offsetof(gw_ray_buffers, states), GW_STATE_WORDS * sizeof(uint32_t), 0},
-    {"ray queue", offsetof(gw_ray_buffers, queues[0]), 4, 0},
-    {"next ray queue", offsetof(gw_ray_buffers, queues[1]), 4, 0},
-    {"radiance sums", offsetof(gw_ray_buffers, sums), 16, 0},
-    {"pixels", offsetof(gw_ray_buffers, pixels), 4, 0},
-    {"counted work", offsetof(gw_ray_buffers, work), 16, 1},
+    {"ray statuses", offsetof(gw_ray_buffers, statuses), 8, 0, 0},
+    {"ray states", offsetof(gw_ray_buffers, states), GW_STATE_WORDS * sizeof(uint32_t), 0, 0},
+    {"ray queue", offsetof(gw_ray_buffers, queues[0]), 4, 0, 0},
+    {"next ray queue", offsetof(gw_ray_buffers, queues[1]), 4, 0, 0},
+    {"radiance sums", offsetof(gw_ray_buffers, sums), 16, 0, 1},
+    {"pixels", offsetof(gw_ray_buffers, pixels), 4, 0, 1},
+    {"counted work", offsetof(gw_ray_buffers, work), 16, 1, 0},
 };
+
+static uint64_t bytes_of_ray(const gw_renderer *renderer, uint32_t fragments, int picture) {
+    uint64_t bytes = fragments * (uint64_t)GW_FRAGMENT_WORDS * sizeof(uint32_t);
+    for (size_t i = 0; i < sizeof ray_rows / sizeof ray_rows[0]; ++i)
+        if ((!ray_rows[i].counting || renderer->count) && (!ray_rows[i].picture || picture))
+            bytes += ray_rows[i].bytes;
+    return bytes;
+}
 
 void gw_renderer_ray_memory(const gw_renderer *renderer, uint64_t *bytes, uint64_t *rays, uint64_t *lists) {
     const gw_kernel_key key = {.features = GW_FEATURE_LOD};
-    *bytes = gw_kernel_fragments(&key) * (uint64_t)GW_FRAGMENT_WORDS * sizeof(uint32_t);
-    for (size_t i = 0; i < sizeof ray_rows / sizeof ray_rows[0]; ++i)
-        *bytes += !ray_rows[i].counting || renderer->count ? ray_rows[i].bytes : 0;
+    const uint32_t fragments = gw_kernel_fragments(&key);
+    *bytes = bytes_of_ray(renderer, fragments, 1);
     if (renderer->scene_features & GW_FEATURE_SHADOWS)
-        *bytes += gw_shadow_ray_bytes(gw_kernel_fragments(&key), renderer->scene->light_count);
+        *bytes += gw_shadow_ray_bytes(fragments, renderer->scene->light_count);
+    if (renderer->scene_features & GW_FEATURE_MIRROR)
+        *bytes += gw_mirror_ray_bytes(fragments) + bytes_of_ray(renderer, fragments, 0);
     *rays = gw_renderer_chunk_slots(renderer);
     *lists = (uint64_t)GW_MOST_SAMPLES * (GW_SAMPLE_BYTES + GW_SAMPLE_PIXEL_BYTES);
 }
 
-static gw_code create_ray_buffers(gw_renderer *renderer, size_t slots, size_t fragment_words, int work,
-                                  gw_error *error) {
-    gw_ray_buffers *rays = &renderer->rays;
+gw_code gw_renderer_grow(gw_renderer *renderer, gw_gl_buffer *buffer, const char *name, size_t size,
+                         gw_error *error) {
+    if (buffer->id && buffer->size >= size)
+        return GW_OK;
+    gw_gl_buffer_finish(buffer);
+    return gw_gl_buffer_create(renderer->device, name, size, NULL, 0, buffer, error);
+}
+
+static gw_code create_ray_buffers(gw_renderer *renderer, gw_ray_buffers *rays, size_t slots,
+                                  size_t fragment_words, int work, gw_error *error) {
+    const int picture = rays == &renderer->rays;
     gw_code code = gw_gl_buffer_create(renderer->device, "fragments", fragment_words * sizeof(uint32_t), NULL,
                                        0, &rays->fragments, error);
-    for (size_t i = 0; !code && i < sizeof ray_rows / sizeof ray_rows[0]; ++i)
-        code = gw_gl_buffer_create(renderer->device, ray_rows[i].name,
-                                   ray_rows[i].counting && !work ? 0 : slots * ray_rows[i].bytes, NULL, 0,
-                                   (gw_gl_buffer *)(void *)((char *)rays + ray_rows[i].offset), error);
+    for (size_t i = 0; !code && i < sizeof ray_rows / sizeof ray_rows[0]; ++i) {
+        const int exists = (!ray_rows[i].counting || work) && (!ray_rows[i].picture || picture);
+        code =
+            gw_gl_buffer_create(renderer->device, ray_rows[i].name, exists ? slots * ray_rows[i].bytes : 0,
+                                NULL, 0, (gw_gl_buffer *)(void *)((char *)rays + ray_rows[i].offset), error);
+    }
     if (code)
         return code;
     rays->slots = slots;
@@ -144,28 +165,45 @@ static gw_code create_ray_buffers(gw_renderer *renderer, size_t slots, size_t fr
     return GW_OK;
 }
 
-gw_code gw_renderer_reserve(gw_renderer *renderer, size_t slots, uint32_t fragments, int work,
-                            gw_error *error) {
-    gw_ray_buffers *rays = &renderer->rays;
+gw_code gw_ray_buffers_reserve(gw_renderer *renderer, gw_ray_buffers *rays, size_t slots, uint32_t fragments,
+                               int work, gw_error *error) {
     size_t words = slots * fragments * GW_FRAGMENT_WORDS;
-    if (slots > rays->slots || words > rays->fragment_words || (work && !rays->has_work)) {
-        size_t more_slots = slots > rays->slots ? slots : rays->slots;
-        size_t more_words = words > rays->fragment_words ? words : rays->fragment_words;
-        int more_work = work || rays->has_work;
+    if (slots <= rays->slots && words <= rays->fragment_words && (!work || rays->has_work))
+        return GW_OK;
+    size_t more_slots = slots > rays->slots ? slots : rays->slots;
+    size_t more_words = words > rays->fragment_words ? words : rays->fragment_words;
+    int more_work = work || rays->has_work;
+    gw_ray_buffers_finish(rays);
+    gw_code code = create_ray_buffers(renderer, rays, more_slots, more_words, more_work, error);
+    if (code)
         gw_ray_buffers_finish(rays);
-        gw_code code = create_ray_buffers(renderer, more_slots, more_words, more_work, error);
-        if (code) {
-            gw_ray_buffers_finish(rays);
-            return code;
-        }
-    }
+    return code;
+}
+
+void gw_ray_buffers_bind(const gw_ray_buffers *rays) {
     gw_gl_buffer_bind(&rays->fragments, GW_BINDING_FRAGMENTS);
     gw_gl_buffer_bind(&rays->statuses, GW_BINDING_STATUSES);
     gw_gl_buffer_bind(&rays->states, GW_BINDING_STATES);
-    gw_gl_buffer_bind(&renderer->totals, GW_BINDING_TOTALS);
     gw_gl_buffer_bind(&rays->queues[0], GW_BINDING_QUEUE);
     gw_gl_buffer_bind(&rays->queues[1], GW_BINDING_NEXT_QUEUE);
     gw_gl_buffer_bind(&rays->work, GW_BINDING_WORK);
+}
+
+uint64_t gw_ray_buffers_bytes(const gw_ray_buffers *rays) {
+    uint64_t bytes = rays->fragments.size;
+    for (size_t i = 0; i < sizeof ray_rows / sizeof ray_rows[0]; ++i)
+        bytes += ((const gw_gl_buffer *)(const void *)((const char *)rays + ray_rows[i].offset))->size;
+    return bytes;
+}
+
+gw_code gw_renderer_reserve(gw_renderer *renderer, size_t slots, uint32_t fragments, int work,
+                            gw_error *error) {
+    gw_ray_buffers *rays = &renderer->rays;
+    gw_code code = gw_ray_buffers_reserve(renderer, rays, slots, fragments, work, error);
+    if (code)
+        return code;
+    gw_ray_buffers_bind(rays);
+    gw_gl_buffer_bind(&renderer->totals, GW_BINDING_TOTALS);
     gw_gl_buffer_bind(&rays->sums, GW_BINDING_SUMS);
     gw_gl_buffer_bind(&rays->pixels, GW_BINDING_PIXELS);
     glBindBufferBase(GL_UNIFORM_BUFFER, 0, renderer->frame.id);
@@ -181,11 +219,12 @@ gw_code gw_renderer_read_totals(gw_renderer *renderer, uint32_t totals[4], gw_er
     return gw_gl_buffer_read(&renderer->totals, 0, GW_TOTAL_WORDS * sizeof(uint32_t), totals, error);
 }
 
-gw_code gw_renderer_add_work(gw_renderer *renderer, size_t slots, gw_counters *counters, gw_error *error) {
+gw_code gw_ray_buffers_add_work(const gw_ray_buffers *rays, size_t slots, gw_counters *counters,
+                                gw_error *error) {
     void *memory = NULL;
     gw_code code = gw_allocate(&memory, slots, 4 * sizeof(uint32_t), "counted work", error);
     if (!code)
-        code = gw_gl_buffer_read(&renderer->rays.work, 0, slots * 4 * sizeof(uint32_t), memory, error);
+        code = gw_gl_buffer_read(&rays->work, 0, slots * 4 * sizeof(uint32_t), memory, error);
     const uint32_t(*work)[4] = memory;
     for (size_t i = 0; !code && i < slots; ++i) {
         counters->steps += work[i][0];
@@ -250,7 +289,6 @@ gw_code gw_renderer_report(const gw_renderer *renderer, json_t *report, gw_error
 
 gw_renderer_parts gw_renderer_parts_of(const gw_renderer *renderer) {
     const gw_scene_buffers *scene = &renderer->buffers;
-    const gw_ray_buffers *rays = &renderer->rays;
     return (gw_renderer_parts){
         .nodes = scene->nodes.size,
         .references = scene->references.size + scene->boxes.size,
@@ -259,10 +297,9 @@ gw_renderer_parts gw_renderer_parts_of(const gw_renderer *renderer) {
         .attributes = scene->faces.size + scene->vertices.size + scene->materials.size + scene->lights.size,
         .textures = scene->textures.bytes,
         .rays = renderer->totals.size + renderer->frame.size + renderer->given_rays.size +
-                renderer->found_hits.size + rays->fragments.size + rays->statuses.size + rays->states.size +
-                rays->queues[0].size + rays->queues[1].size + rays->work.size + rays->sums.size +
-                rays->pixels.size + gw_sample_buffers_bytes(&renderer->samples) +
-                gw_accumulation_bytes(&renderer->accumulation) + gw_shadow_buffers_bytes(&renderer->shadows)};
+                renderer->found_hits.size + gw_ray_buffers_bytes(&renderer->rays) +
+                gw_sample_buffers_bytes(&renderer->samples) + gw_accumulation_bytes(&renderer->accumulation) +
+                gw_shadow_buffers_bytes(&renderer->shadows) + gw_mirror_buffers_bytes(&renderer->mirrors)};
 }
 
 uint64_t gw_renderer_bytes(const gw_renderer *renderer) {
@@ -279,6 +316,7 @@ void gw_counters_add(gw_counters *to, const gw_counters *from) {
     to->voxel_rays += from->voxel_rays;
     to->step_cap_hits += from->step_cap_hits;
     to->nan_pixels += from->nan_pixels;
+    to->mirror_rays += from->mirror_rays;
     to->shadow_rays += from->shadow_rays;
     to->resumed += from->resumed;
 }

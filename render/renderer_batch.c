@@ -36,9 +36,12 @@ gw_code gw_frame_dispatch(gw_frame_job *job, GLuint program, size_t slots, gw_er
 }
 
 gw_code gw_frame_round(gw_frame_job *job, size_t slots, int resume, int from, gw_error *error) {
-    gw_ray_buffers *rays = &job->renderer->rays;
+    gw_ray_buffers *rays = job->rays;
     gw_gl_buffer_bind(&rays->queues[from], GW_BINDING_QUEUE);
     gw_code code = gw_frame_dispatch(job, job->trace, slots, error);
+    if (!code)
+        code = gw_frame_mirrors(job, slots, resume, error);
+    gw_gl_buffer_bind(&rays->queues[from], GW_BINDING_QUEUE);
     if (!code)
         code = gw_frame_shadows(job, slots, resume, error);
     gw_gl_buffer_bind(&rays->queues[from], GW_BINDING_QUEUE);

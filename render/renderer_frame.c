@@ -92,7 +92,7 @@ static gw_code render_pixels(gw_frame_job *job, size_t slots, gw_error *error) {
     if (!code)
         code = gw_frame_batch(job, slots, error);
     if (!code && job->key.count)
-        code = gw_renderer_add_work(renderer, slots, &job->counters, error);
+        code = gw_ray_buffers_add_work(&renderer->rays, slots, &job->counters, error);
     return code;
 }
 
@@ -236,6 +236,7 @@ gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement,
                           gw_counters *counters, gw_error *error) {
     const gw_frame_state drawn = gw_frame_state_in_force(given), *state = &drawn;
     gw_frame_job job = {.renderer = renderer,
+                        .rays = &renderer->rays,
                         .rectangle = rectangle,
                         .state = state,
                         .end_sample = samples_of(state),
@@ -259,7 +260,7 @@ gw_code gw_renderer_count_rays(gw_renderer *renderer, const gw_similarity *place
                                const gw_rectangle *rectangle, const gw_frame_state *given, uint64_t *rays,
                                gw_error *error) {
     const gw_frame_state drawn = gw_frame_state_in_force(given), *state = &drawn;
-    gw_frame_job job = {.renderer = renderer, .rectangle = rectangle};
+    gw_frame_job job = {.renderer = renderer, .rays = &renderer->rays, .rectangle = rectangle};
     gw_code code = begin_frame(&job, placement, plane, state, error);
     if (!code && (job.key.features & GW_FEATURE_SPARSE))
         code = visit_chunks(&job, gw_frame_count_samples, error);

@@ -26,7 +26,11 @@ enum gw_binding {
     GW_BINDING_TRIANGLES = 13,
     GW_BINDING_ACCUMULATED = 14, /* with ACCUMULATE only */
     GW_BINDING_VISIBILITIES = 15,
-    GW_BINDING_SHADOW_RAYS = 16
+    GW_BINDING_SHADOW_RAYS = 16,
+    GW_BINDING_REFLECTED_RAYS = 17,
+    GW_BINDING_REFLECTIONS = 18,
+    GW_BINDING_REFLECTION_NUMBERS = 19,
+    GW_BINDING_MIRRORS = 20
 };
 /* Of the kernels of shaders/sample, before a batch is traced. */
 enum gw_list_binding {
@@ -59,6 +63,17 @@ typedef struct gw_shadow_buffers {
     gw_gl_buffer rays;              /* those that are traced: places in visibilities */
     gw_gl_buffer states, queues[2]; /* of one batch */
 } gw_shadow_buffers;
+
+/* Mirrors that one dispatch has met and what they reflect; exist only if a frame calls for mirrors, only
+ * grow.
+ */
+typedef struct gw_mirror_buffers {
+    gw_gl_buffer numbers; /* of every fragment: of its reflection */
+    gw_gl_buffer mirrors; /* fragments, by number */
+    gw_gl_buffer rays;    /* of one batch */
+    gw_gl_buffer radiance;
+    gw_ray_buffers traced;
+} gw_mirror_buffers;
 
 /* What a still view's samples depend on besides scene and renderer. Compared as bytes: made of zeros first.
  */
@@ -95,6 +110,7 @@ struct gw_renderer {
     gw_scene_buffers buffers;
     gw_ray_buffers rays;
     gw_shadow_buffers shadows;
+    gw_mirror_buffers mirrors;
     gw_gl_buffer totals, frame;
     gw_gl_buffer given_rays, found_hits; /* of gw_renderer_trace */
     gw_sample_buffers samples;
@@ -103,17 +119,27 @@ struct gw_renderer {
     gw_accumulation accumulation;
 };
 
-/* Room for slots rays; fragment words, work and the pixel buffers only as asked. */
+/* Room for slots rays of pixels, bound with all that kernels of frames read and write. */
 gw_code gw_renderer_reserve(gw_renderer *renderer, size_t slots, uint32_t fragments, int work,
                             gw_error *error);
+/* Room for slots rays; fragment words and work only as asked, pixels only in the renderer's own. */
+gw_code gw_ray_buffers_reserve(gw_renderer *renderer, gw_ray_buffers *rays, size_t slots, uint32_t fragments,
+                               int work, gw_error *error);
+void gw_ray_buffers_bind(const gw_ray_buffers *rays); /* all but sums and pixels */
 void gw_ray_buffers_finish(gw_ray_buffers *buffers);
+uint64_t gw_ray_buffers_bytes(const gw_ray_buffers *buffers);
+/* Makes the buffer at least that large; contents are lost when it grows. */
+gw_code gw_renderer_grow(gw_renderer *renderer, gw_gl_buffer *buffer, const char *name, size_t size,
+                         gw_error *error);
 /* What its scene and octree call for. */
 gw_code gw_renderer_take_features(gw_renderer *renderer, gw_error *error);
-/* Clears the totals, or reads them; totals are cap hits, NaN pixels, queue length, shadow rays. */
+/* Clears the totals, or reads them; totals are cap hits, NaN pixels, queue length, shadow or
+ * reflected rays. */
 gw_code gw_renderer_clear_totals(gw_renderer *renderer, gw_error *error);
 gw_code gw_renderer_read_totals(gw_renderer *renderer, uint32_t totals[4], gw_error *error);
 /* Adds the counted work of the first `slots` rays. */
-gw_code gw_renderer_add_work(gw_renderer *renderer, size_t slots, gw_counters *counters, gw_error *error);
+gw_code gw_ray_buffers_add_work(const gw_ray_buffers *rays, size_t slots, gw_counters *counters,
+                                gw_error *error);
 /* The kernel for a key; more_defines may be NULL. */
 gw_code gw_renderer_kernel(gw_renderer *renderer, const char *name, const gw_kernel_key *key,
                            const char *more_defines, GLuint *out, gw_error *error);
@@ -131,6 +157,7 @@ typedef struct gw_frame_job {
     gw_renderer *renderer;
     gw_kernel_key key;
     gw_frame_block block;
+    gw_ray_buffers *rays; /* what it traces */
     GLuint trace, shade;
     const gw_gl_buffer *arguments; /* of indirect dispatches of both; NULL: of as many slots as is said */
     size_t argument_offset;
@@ -167,6 +194,12 @@ void gw_shadow_buffers_finish(gw_shadow_buffers *buffers);
 uint64_t gw_shadow_buffers_bytes(const gw_shadow_buffers *buffers);
 /* Room that one ray may need for its shadow rays. */
 uint64_t gw_shadow_ray_bytes(uint32_t fragments, uint32_t lights);
+/* renderer_mirrors.c: what mirrors among what was met reflect; as gw_frame_shadows, and before it. */
+gw_code gw_frame_mirrors(gw_frame_job *job, size_t slots, int resume, gw_error *error);
+void gw_mirror_buffers_finish(gw_mirror_buffers *buffers);
+uint64_t gw_mirror_buffers_bytes(const gw_mirror_buffers *buffers);
+/* Room that one ray may need for its reflections, but for what traces them. */
+uint64_t gw_mirror_ray_bytes(uint32_t fragments);
 
 /* renderer_accumulate.c: a frame of this view that shows `samples` samples; what is kept of another view, or
  * of more samples, is forgotten. */

@@ -192,7 +192,7 @@ static gw_code trace_batches(gw_frame_job *job, gw_error *error) {
             code = read_list(job, words, error);
         size_t left = (size_t)words[1] * GROUP - (code ? 0 : first);
         if (!code && job->key.count)
-            code = gw_renderer_add_work(job->renderer, left < slots ? left : slots, &job->counters, error);
+            code = gw_ray_buffers_add_work(job->rays, left < slots ? left : slots, &job->counters, error);
         first += slots;
     } while (!code && first < (size_t)words[1] * GROUP);
     job->counters.rays += words[0];

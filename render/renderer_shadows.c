@@ -22,28 +22,21 @@ uint64_t gw_shadow_ray_bytes(uint32_t fragments, uint32_t lights) {
     return (uint64_t)fragments * lights * 2 * sizeof(uint32_t) + (GW_STATE_WORDS + 2) * sizeof(uint32_t);
 }
 
-/* Makes the buffer at least that large; contents are lost when it grows. */
-static gw_code grow(gw_renderer *renderer, gw_gl_buffer *buffer, const char *name, size_t size,
-                    gw_error *error) {
-    if (buffer->id && buffer->size >= size)
-        return GW_OK;
-    gw_gl_buffer_finish(buffer);
-    return gw_gl_buffer_create(renderer->device, name, size, NULL, 0, buffer, error);
-}
-
 static gw_code reserve(gw_renderer *renderer, size_t places, gw_error *error) {
     gw_shadow_buffers *shadows = &renderer->shadows;
     size_t batch = gw_renderer_chunk_slots(renderer);
     if (batch > places)
         batch = places;
-    gw_code code = grow(renderer, &shadows->visibilities, "visibilities", places * sizeof(float), error);
+    gw_code code =
+        gw_renderer_grow(renderer, &shadows->visibilities, "visibilities", places * sizeof(float), error);
     if (!code)
-        code = grow(renderer, &shadows->rays, "shadow rays", places * sizeof(uint32_t), error);
+        code = gw_renderer_grow(renderer, &shadows->rays, "shadow rays", places * sizeof(uint32_t), error);
     if (!code)
-        code = grow(renderer, &shadows->states, "shadow ray states",
-                    batch * GW_STATE_WORDS * sizeof(uint32_t), error);
+        code = gw_renderer_grow(renderer, &shadows->states, "shadow ray states",
+                                batch * GW_STATE_WORDS * sizeof(uint32_t), error);
     for (int i = 0; !code && i < 2; ++i)
-        code = grow(renderer, &shadows->queues[i], "shadow ray queue", batch * sizeof(uint32_t), error);
+        code = gw_renderer_grow(renderer, &shadows->queues[i], "shadow ray queue", batch * sizeof(uint32_t),
+                                error);
     if (!code) {
         gw_gl_buffer_bind(&shadows->visibilities, GW_BINDING_VISIBILITIES);
         gw_gl_buffer_bind(&shadows->rays, GW_BINDING_SHADOW_RAYS);
@@ -127,7 +120,7 @@ gw_code gw_frame_shadows(gw_frame_job *job, size_t slots, int resume, gw_error *
     const uint32_t lights = job->block.counts[1] + job->block.counts[2];
     if (!(job->key.features & GW_FEATURE_SHADOWS) || lights == 0)
         return GW_OK;
-    gw_code code = reserve(renderer, renderer->rays.slots * gw_kernel_fragments(&job->key) * lights, error);
+    gw_code code = reserve(renderer, job->rays->slots * gw_kernel_fragments(&job->key) * lights, error);
     uint32_t count = 0;
     if (!code)
         code = list_rays(job, slots, resume, &count, error);
@@ -136,6 +129,6 @@ gw_code gw_frame_shadows(gw_frame_job *job, size_t slots, int resume, gw_error *
     uint32_t batch = (uint32_t)gw_renderer_chunk_slots(renderer);
     for (uint32_t begin = 0; !code && begin < count; begin += batch)
         code = trace_batch(job, begin, count - begin < batch ? count - begin : batch, error);
-    gw_gl_buffer_bind(&renderer->rays.states, GW_BINDING_STATES);
+    gw_gl_buffer_bind(&job->rays->states, GW_BINDING_STATES);
     return code ? code : gw_renderer_clear_totals(renderer, error);
 }

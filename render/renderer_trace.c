@@ -73,22 +73,13 @@ static gw_code trace_brute_force(gw_renderer *renderer, size_t count, gw_error *
     return code;
 }
 
-/* Makes the buffer at least that large; contents are lost when it grows. */
-static gw_code grow_buffer(gw_renderer *renderer, gw_gl_buffer *buffer, const char *name, size_t size,
-                           gw_error *error) {
-    if (buffer->id && buffer->size >= size)
-        return GW_OK;
-    gw_gl_buffer_finish(buffer);
-    return gw_gl_buffer_create(renderer->device, name, size, NULL, 0, buffer, error);
-}
-
 static gw_code trace_chunk(gw_renderer *renderer, trace_job *job, const gw_ray *rays, size_t count,
                            gw_hit *hits, gw_error *error) {
     gw_gl_buffer *given = &renderer->given_rays, *found = &renderer->found_hits;
     int work = job->method != GW_TRACE_BRUTE_FORCE && (renderer->count || job->variant->count);
-    gw_code code = grow_buffer(renderer, given, "rays", count * sizeof(gw_ray), error);
+    gw_code code = gw_renderer_grow(renderer, given, "rays", count * sizeof(gw_ray), error);
     if (!code)
-        code = grow_buffer(renderer, found, "hits", count * sizeof(gw_hit), error);
+        code = gw_renderer_grow(renderer, found, "hits", count * sizeof(gw_hit), error);
     if (!code)
         code = gw_gl_buffer_write(given, 0, count * sizeof(gw_ray), rays, error);
     if (!code)
@@ -103,7 +94,7 @@ static gw_code trace_chunk(gw_renderer *renderer, trace_job *job, const gw_ray *
     job->time.wall_ms += (double)(gw_now_ns() - begin) * 1e-6;
     job->time.processor_ms += (double)(gw_processor_ns() - processor) * 1e-6;
     if (!code && work)
-        code = gw_renderer_add_work(renderer, count, &job->counters, error);
+        code = gw_ray_buffers_add_work(&renderer->rays, count, &job->counters, error);
     if (!code)
         code = gw_gl_buffer_read(found, 0, count * sizeof(gw_hit), hits, error);
     for (size_t i = 0; !code && i < count; ++i)

@@ -106,6 +106,13 @@ GW_STRUCT_END(gw_gpu_light)
 // A suspended ray's state (trace/state.glsl), in words; shading needs to know where its transmittance and group opacity are.
 #define GW_STATE_WORDS 15u
 #define GW_STATE_TRANSMITTANCE 8u
-// Totals of one chunk: cap hits, NaN pixels, length of the queue, shadow rays.
+// Materials of metalness 1 and at most this roughness are perfect mirrors.
+#define GW_MIRROR_ROUGHNESS 0.02
+// A reflected ray, rows of 16 bytes: origin and footprint there; unit direction and growth of the footprint per unit; tau, below
+// 0 for padding, and the distance up to which only triangles count.
+#define GW_REFLECTED_ROWS 3u
+#define GW_NO_REFLECTION 0xffffffffu
+
+// Totals of one chunk: cap hits, NaN pixels, length of the queue, shadow or reflected rays.
 #define GW_TOTAL_WORDS 4
 #endif

@@ -1,7 +1,7 @@
 // Which shadow rays the fragments of a dispatch need: one for each light that their surface faces. The others' visibility is
 // 0 at once. A ray is the place of its visibility, fragment * lights + light.
 //
-// variants: OCTREE_DEPTH=11; OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 FRAGMENTS=8u; OCTREE_DEPTH=11 LOD=1 GAZE=1 RESUME=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 REFLECTED=1 FRAGMENTS=8u; OCTREE_DEPTH=11; OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 FRAGMENTS=8u; OCTREE_DEPTH=11 LOD=1 GAZE=1 RESUME=1 FRAGMENTS=8u
 #ifndef OCTREE_DEPTH
 #define OCTREE_DEPTH 11
 #endif
@@ -38,7 +38,8 @@ void main() {
     uvec2 status = statuses[slot];
     if (!present || (status.x & GW_STATUS_OUTSIDE) != 0u)
         return;
-    Pixel_ray ray = ray_of_square(square_of_slot(slot));
+    Pixel_square square;
+    Pixel_ray ray = ray_of_slot(slot, square);
     uint count = GW_STATUS_COUNT(status.x);
     for (uint i = 0u; i < count; ++i) {
         uint fragment = slot * FRAGMENTS + i, word = fragment * GW_FRAGMENT_WORDS;
@@ -46,7 +47,7 @@ void main() {
         float t = uintBitsToFloat(fragments[word + 1u]);
         for (uint light = 0u; light < light_count(); ++light) {
             uint place = fragment * light_count() + light;
-            if (shadow_ray_of(id, t, frame.eye.xyz, ray.direction, ray.width * t, ray.tau, light).needed)
+            if (shadow_ray_of(id, t, ray.origin, ray.direction, footprint_at(ray, t), ray.tau, light).needed)
                 shadow_rays[atomicAdd(totals[3], 1u)] = place;
             else
                 visibilities[place] = 0.0;

@@ -6,6 +6,7 @@
 // variants: OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 EMISSIVE=1 VOXEL_EMISSION=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=8; OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=9; OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=10
 // variants: OCTREE_DEPTH=11 LOD=1 GAZE=1 SHADOWS=1 POINT_LIGHTS=1 DIRECTIONAL_LIGHTS=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 LOD=1 MIRROR=1 FRAGMENTS=8u; OCTREE_DEPTH=11 REFLECTED=1 SHADOWS=1 POINT_LIGHTS=1 ALPHA=1 RESUME=1
 // variants: OCTREE_DEPTH=11 DEBUG_VIEW=1; OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=2; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=4
 // variants: OCTREE_DEPTH=11 GAZE=1 SPARSE=1 DEBUG_VIEW=5; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=6; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=7
 #ifndef OCTREE_DEPTH
@@ -34,7 +35,11 @@ layout(std430, binding = 5) writeonly buffer NextQueue { uint next_queue[]; };
 #ifdef COUNT
 layout(std430, binding = 6) readonly buffer Work { uvec4 work_of[]; };
 #endif
+#ifdef REFLECTED
+layout(std430, binding = 18) buffer Reflections { vec4 sums[]; };
+#else
 layout(std430, binding = 7) buffer Sums { vec4 sums[]; };
+#endif
 #ifdef RESUME
 layout(location = 0) uniform uint queue_length;
 #endif
@@ -43,6 +48,9 @@ layout(location = 0) uniform uint queue_length;
 #include "blend/opacity.glsl"
 #include "shade/surface.glsl"
 #include "shade/lights.glsl"
+#ifdef MIRROR
+#include "shade/mirrored.glsl"
+#endif
 #include "shade/debug_view.glsl"
 #ifndef SPARSE
 #include "blend/store_pixel.glsl"
@@ -81,8 +89,8 @@ void main() {
     uvec2 status = statuses[slot];
     if (!present || (status.x & GW_STATUS_OUTSIDE) != 0u)
         return;
-    Pixel_square square = square_of_slot(slot);
-    Pixel_ray ray = ray_of_square(square);
+    Pixel_square square;
+    Pixel_ray ray = ray_of_slot(slot, square);
     vec3 view = -normalize(ray.direction);
     uint count = GW_STATUS_COUNT(status.x);
     float left = uintBitsToFloat(status.y);
@@ -98,12 +106,12 @@ void main() {
         float weight = uintBitsToFloat(fragments[word + 2u]);
 #ifdef LOD
         bool voxel = (id & GW_FRAGMENT_VOXEL) != 0u;
-        Surface surface = surface_of_triangle(voxel ? 0u : id, t, frame.eye.xyz, ray.direction, ray.width * t);
-        Surface other = surface_of_voxel(voxel ? id & ~GW_FRAGMENT_VOXEL : 0u, t, frame.eye.xyz, ray.direction);
+        Surface surface = surface_of_triangle(voxel ? 0u : id, t, ray.origin, ray.direction, footprint_at(ray, t));
+        Surface other = surface_of_voxel(voxel ? id & ~GW_FRAGMENT_VOXEL : 0u, t, ray.origin, ray.direction);
         if (voxel)
             surface = other;
 #else
-        Surface surface = surface_of_triangle(id, t, frame.eye.xyz, ray.direction, ray.width * t);
+        Surface surface = surface_of_triangle(id, t, ray.origin, ray.direction, footprint_at(ray, t));
 #endif
 #ifdef ALPHA
         if (i + 1u == count && (status.x & GW_STATUS_PROVISIONAL) != 0u) {
@@ -112,6 +120,9 @@ void main() {
         }
 #endif
         precise vec3 lit = light_surface(surface, view, slot * FRAGMENTS + i);
+#ifdef MIRROR
+        lit = mirrored(lit, surface, view, id, slot * FRAGMENTS + i);
+#endif
         sum += weight * vec4(debug_fragment(lit, surface, id), 1.0);
     }
     if (suspended) {
@@ -130,7 +141,7 @@ void main() {
         atomicAdd(totals[1], 1u);
         color = frame.background.rgb;
     }
-#ifdef SPARSE
+#if defined(SPARSE) || defined(REFLECTED)
     sums[slot] = vec4(color, 1.0); // blend/reconstruct.comp makes pixels of it
 #else
     store_pixel(slot, color);

@@ -1,6 +1,6 @@
 // Primary rays. A ray is a function of the plane and the wall-global pixel only: the same bits in whatever rectangle and
 // dispatch it is traced. Blocks of 8 x 8 pixels stand at wall-global multiples of 8; lanes run in Morton order.
-// With SPARSE a ray may stand for a square of 2 to 16 pixels a side, or for a part of a pixel, as shaders/sample lists it.
+// With REFLECTED they come from mirrors instead (shade/mirror_rays.comp), in a buffer. With SPARSE a ray may stand for a square of 2 to 16 pixels a side, or for a part of a pixel, as shaders/sample lists it.
 #include "common/small_math.glsl"
 #ifdef GAZE
 #include "trace/gaze.glsl"
@@ -17,10 +17,25 @@ struct Pixel_square {
 };
 
 struct Pixel_ray {
-    vec3 direction; // t = 1 on the wall's plane, in ray units
+    vec3 origin;    // rebased
+    vec3 direction; // t = 1 on the wall's plane, in ray units; unit length with REFLECTED
     float width;    // footprint per unit of t, ray units
     float tau;      // footprints
+#ifdef REFLECTED
+    float start; // footprint at t = 0
+    float clear; // t up to which only triangles count
+#endif
 };
+
+// The ray's footprint at t.
+float footprint_at(Pixel_ray ray, float t) {
+#ifdef REFLECTED
+    precise float footprint = ray.start + ray.width * t;
+    return footprint;
+#else
+    return ray.width * t;
+#endif
+}
 
 ivec2 pixel_of_slot(uint slot) {
     uint block = slot >> 6, lane = slot & 63u;
@@ -38,8 +53,14 @@ bool in_window(ivec2 pixel) {
     return all(greaterThanEqual(pixel, frame.window.xy)) && all(lessThan(pixel, frame.window.zw));
 }
 
+#ifdef REFLECTED
+layout(std430, binding = 17) readonly buffer Reflected_rays { vec4 reflected_rays[]; }; // GW_REFLECTED_ROWS each
+#endif
+
 Pixel_square square_of_slot(uint slot) {
-#ifdef SPARSE
+#if defined(REFLECTED)
+    return Pixel_square(ivec2(0), 1, reflected_rays[slot * GW_REFLECTED_ROWS + 2u].x >= 0.0);
+#elif defined(SPARSE)
     uint word = samples[slot];
     uint rate = GW_SAMPLE_RATE(word);
     uint which = GW_SAMPLE_WHICH(word);
@@ -67,8 +88,17 @@ float pixel_width(vec3 direction) {
                width_across(frame.step_y.xyz, direction, inverse_squared));
 }
 
+#ifdef REFLECTED
+Pixel_ray ray_of_slot(uint slot, out Pixel_square square) {
+    uint row = slot * GW_REFLECTED_ROWS;
+    vec4 start = reflected_rays[row], aim = reflected_rays[row + 1u], knobs = reflected_rays[row + 2u];
+    square = square_of_slot(slot);
+    return Pixel_ray(start.xyz, aim.xyz, aim.w, knobs.x, start.w, knobs.y);
+}
+#else
 Pixel_ray ray_of_square(Pixel_square square) {
     Pixel_ray ray;
+    ray.origin = frame.eye.xyz;
     precise vec2 centre = vec2(square.first) + 0.5 * float(square.side);
     float side = float(square.side);
 #ifdef SPARSE
@@ -90,3 +120,9 @@ Pixel_ray ray_of_square(Pixel_square square) {
 #endif
     return ray;
 }
+
+Pixel_ray ray_of_slot(uint slot, out Pixel_square square) {
+    square = square_of_slot(slot);
+    return ray_of_square(square);
+}
+#endif

@@ -4,6 +4,7 @@
 // variants: OCTREE_DEPTH=11; OCTREE_DEPTH=11 LOD=1 GAZE=1 LEVEL_BLEND=1 LEAF_BLEND=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=15 ALPHA=1 COUNT=1 WIDE_NODES=1 DOUBLE_EDGES=1 RESUME=1
 // variants: OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 REFLECTED=1 RESUME=1; OCTREE_DEPTH=11 REFLECTED=1 LOD=1 LEVEL_BLEND=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 DENSE_LEAVES=1 COUNT=1; OCTREE_DEPTH=11 DENSE_LEAVES=1 LOD=1 RESUME=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=9 LOD=1 ALPHA=1 COUNT=1 RESUME=1 VOXELS_ONLY=1 FRAGMENTS=8u
 #ifndef OCTREE_DEPTH
@@ -27,6 +28,9 @@ layout(std430, binding = 6) buffer Work { uvec4 work_of[]; };
 #endif
 uint ray_slot;
 #include "trace/pixel.glsl"
+#ifdef REFLECTED
+#define WIDE_RAYS 1
+#endif
 #include "trace/walk.glsl"
 #include "blend/opacity.glsl"
 #include "common/payload.glsl"
@@ -60,6 +64,11 @@ void begin(Pixel_ray ray) {
 #ifdef LOD
     precise float slope = ray.tau * ray.width * GRID_HALF;
     lod_slope = slope;
+#ifdef REFLECTED
+    precise float at_start = ray.tau * ray.start * GRID_HALF;
+    lod_start = at_start;
+    lod_clear = ray.clear;
+#endif
     voxel_scale = 0;
     force_scale = NEVER_FORCED;
     child_share = 0.0;
@@ -107,7 +116,8 @@ void main() {
     ray_slot = (group_base + gl_WorkGroupID.x) * 64u + gl_LocalInvocationIndex;
     bool present = true;
 #endif
-    Pixel_square square = square_of_slot(ray_slot);
+    Pixel_square square;
+    Pixel_ray ray = ray_of_slot(ray_slot, square);
     present = present && square.present;
     if (!present) {
 #ifndef RESUME
@@ -118,8 +128,7 @@ void main() {
 #endif
         return;
     }
-    Pixel_ray ray = ray_of_square(square);
-    set_ray(frame.eye.xyz, ray.direction);
+    set_ray(ray.origin, ray.direction);
     begin(ray);
     walking = enter_root(0.0);
 #ifdef RESUME

@@ -1,7 +1,7 @@
 // What share of a light reaches what a fragment shows. Where voxels or alpha may stand between, opacities are composited
 // along the ray as for pixels (trace/traverse_lod.glsl), else any triangle will do.
 //
-// variants: OCTREE_DEPTH=11; OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 LEVEL_BLEND=1 LEAF_BLEND=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 REFLECTED=1 LOD=1 FRAGMENTS=8u; OCTREE_DEPTH=11; OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 LEVEL_BLEND=1 LEAF_BLEND=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 RESUME=1 WIDE_NODES=1 DENSE_LEAVES=1 DOUBLE_EDGES=1 COUNT=1
 // variants: OCTREE_DEPTH=15 ALPHA=1 TEXTURES=1 TEXTURE_CLASSES=2 VERTEX_COLORS=1 COUNT=1
 // variants: OCTREE_DEPTH=11 LOD=1 ALPHA=1 RESUME=1 DENSE_LEAVES=1 FRAGMENTS=8u; OCTREE_DEPTH=9 LOD=1 VOXELS_ONLY=1 FRAGMENTS=8u
@@ -29,6 +29,7 @@ layout(std430, binding = 16) readonly buffer Shadow_rays { uint shadow_rays[]; }
 layout(location = 0) uniform uint queue_length; // or the number of rays in the batch
 layout(location = 2) uniform uint batch_begin;
 #define SHADOW_RAYS 1
+#define WIDE_RAYS 1
 #if defined(ALPHA) && !defined(LOD)
 #define LOD 1 // at tau 0
 #endif
@@ -100,9 +101,10 @@ void main() {
 #endif
     uint place = shadow_rays[batch_begin + ray_slot];
     uint fragment = place / light_count(), word = fragment * GW_FRAGMENT_WORDS;
-    Pixel_ray pixel = ray_of_square(square_of_slot(fragment / FRAGMENTS));
+    Pixel_square square;
+    Pixel_ray pixel = ray_of_slot(fragment / FRAGMENTS, square);
     float t = uintBitsToFloat(fragments[word + 1u]);
-    Shadow_ray ray = shadow_ray_of(fragments[word], t, frame.eye.xyz, pixel.direction, pixel.width * t, pixel.tau,
+    Shadow_ray ray = shadow_ray_of(fragments[word], t, pixel.origin, pixel.direction, footprint_at(pixel, t), pixel.tau,
                                    place % light_count());
     set_ray(ray.origin, ray.direction);
     begin(ray, pixel.tau);

@@ -12,7 +12,7 @@
 
 bool walking;
 float lod_slope;          // grid units of accepted error per unit of t
-#ifdef SHADOW_RAYS
+#ifdef WIDE_RAYS
 float lod_start; // and at t = 0
 float lod_clear; // t up to which nothing but triangles is accepted
 #endif
@@ -30,7 +30,7 @@ bool provisional; // the last fragment awaits its alpha
 
 // At the entry of the ray's cell, in grid units.
 float accepted_error() {
-#ifdef SHADOW_RAYS
+#ifdef WIDE_RAYS
     precise float accepted = lod_start + lod_slope * cell_entry;
     return cell_entry < lod_clear ? 0.0 : max(accepted, 0.0);
 #else

@@ -228,7 +228,7 @@ static void voxels_cast_no_shadow_on_themselves(void **state) {
     (void)state;
     static const float taus[] = {0.5f, 1.0f, 2.0f, 4.0f};
     char folder[512];
-    const char *naive = gw_naive_shaders(folder, "no-reach", "shade/shadow_ray.glsl", "NO_REACH");
+    const char *naive = gw_naive_shaders(folder, "no-reach", "shade/secondary_start.glsl", "NO_REACH");
     for (size_t i = 0; i < sizeof taus / sizeof taus[0]; ++i) {
         acne ball = acne_of_ball(taus[i], NULL), steep = acne_of_floor(200, 0.5, taus[i], NULL),
              low = acne_of_floor(200, 1e-2, taus[i], NULL);

@@ -1,0 +1,266 @@
+/* Perfect mirrors: they show what the mirrored scene shows, from triangles and from voxels, in any split. */
+#include "tests/support/check.h"
+
+#include "render/features.h"
+#include "tests/support/meshes.h"
+#include "tests/support/renders.h"
+
+#include <math.h>
+
+enum { SIDE = 96, PIXELS = SIDE * SIDE };
+enum { MATT, MIRROR };
+
+/* A ball and a block beside it above y = 0, or below with up = -1; with a floor that is a mirror, or without.
+ */
+static gw_scene *room(double up, int floor) {
+    gw_mesh mesh = {0};
+    gw_mesh_add_sphere(&mesh, (const double[]){-0.3, 0.5, -0.2}, 0.35, 0.0, 40, 24);
+    gw_mesh_add_tetrahedron(&mesh, (const double[]){0.5, 0.45, 0.0}, 0.25);
+    gw_mesh_add_grid(&mesh, (const double[]){-1, 0.02, -0.9}, (const double[]){2, 0, 0},
+                     (const double[]){0, 1, 0}, 30, 15);
+    for (size_t i = 0; i < mesh.point_count; ++i)
+        mesh.points[i * 3 + 1] *= up;
+    if (floor)
+        gw_mesh_add_grid(&mesh, (const double[]){-1, 0, -1}, (const double[]){2, 0, 0},
+                         (const double[]){0, 0, 2}, 40, 40);
+    gw_scene *scene = gw_mesh_take(&mesh);
+    gw_material *materials = calloc(2, sizeof *materials);
+    gw_light *light = calloc(1, sizeof *light);
+    assert_non_null(materials);
+    assert_non_null(light);
+    materials[MATT] =
+        (gw_material){.base_color = {0.7f, 0.4f, 0.2f, 1}, .roughness = 1, .base_color_texture = -1};
+    materials[MIRROR] = (gw_material){.base_color = {1, 1, 1, 1}, .metalness = 1, .base_color_texture = -1};
+    free(scene->materials);
+    scene->materials = materials;
+    scene->material_count = 2;
+    for (uint32_t i = 0; i < scene->triangle_count; ++i) {
+        int on_floor = 1;
+        for (int k = 0; k < 3; ++k) {
+            double y = ldexp((double)scene->positions[scene->triangles[i][k] * 3 + 1], scene->exponent) +
+                       scene->centre[1];
+            on_floor &= fabs(y) < 1e-6;
+        }
+        scene->material_of[i] = on_floor ? MIRROR : MATT;
+    }
+    *light = (gw_light){GW_LIGHT_DIRECTIONAL, {0.48, -0.8 * up, -0.36}, {2, 2, 2}};
+    scene->lights = light;
+    scene->light_count = 1;
+    for (int i = 0; i < 3; ++i) {
+        scene->ambient[i] = 0.5f;
+        scene->background[i] = i == 2 ? 0.6f : 0.3f;
+    }
+    return scene;
+}
+
+static void look(gw_camera *camera, const gw_stage *stage, float tau) {
+    gw_camera_look(camera, stage, (const double[]){0.1, 0.9, 2.6}, (const double[]){0, -0.1, 0}, 34, SIDE);
+    camera->state.tau_inside = tau;
+}
+
+static gw_renderer *renderer_of(const gw_stage *stage, const gw_renderer_options *options) {
+    gw_renderer *renderer = NULL;
+    check_ok(gw_renderer_create(stage->device, stage->scene, stage->octree, options, &renderer, &error));
+    return renderer;
+}
+
+static uint8_t *take(const gw_stage *stage, const gw_camera *camera, const gw_renderer_options *options,
+                     gw_counters *counters) {
+    gw_renderer *renderer = renderer_of(stage, options);
+    uint8_t *rgba = gw_camera_take(camera, renderer, counters);
+    gw_renderer_destroy(&renderer);
+    return rgba;
+}
+
+static int furthest(const uint8_t *a, const uint8_t *b) {
+    int most = 0;
+    for (int c = 0; c < 3; ++c)
+        most = abs(a[c] - b[c]) > most ? abs(a[c] - b[c]) : most;
+    return most;
+}
+
+static void a_mirror_shows_the_mirrored_scene(void **state) {
+    (void)state;
+    static const struct {
+        float tau;
+        double mean; /* at most, in 1/255 */
+    } rows[] = {{0, 0.02}, {0.5f, 0.3}, {1, 2}, {2, 10}};
+    const gw_renderer_options dull = {.forbid_features = GW_FEATURE_MIRROR};
+    gw_stage with, image;
+    check_ok(gw_stage_open(&with, room(1, 1), NULL, (const char *const[]){"octree_depth=9", NULL}, &error));
+    check_ok(gw_stage_open(&image, room(-1, 0), NULL, (const char *const[]){"octree_depth=9", NULL}, &error));
+    for (size_t r = 0; r < sizeof rows / sizeof rows[0]; ++r) {
+        gw_camera camera;
+        gw_counters counters = {0};
+        look(&camera, &with, rows[r].tau);
+        uint8_t *a = take(&with, &camera, NULL, &counters), *without = take(&with, &camera, &dull, NULL);
+        look(&camera, &image, rows[r].tau);
+        uint8_t *b = take(&image, &camera, NULL, NULL);
+        size_t seen = 0, off = 0;
+        double mean = 0;
+        for (size_t i = 0; i < PIXELS * 4; i += 4)
+            if (memcmp(a + i, without + i, 4)) {
+                ++seen;
+                off += furthest(a + i, b + i) > 4;
+                mean += furthest(a + i, b + i);
+            }
+        mean /= (double)seen;
+        print_message(
+            "tau %g: %zu pixels of mirror, mean difference %.3f/255, %zu by more than 4; %u rays reflected\n",
+            (double)rows[r].tau, seen, mean, off, (unsigned)counters.mirror_rays);
+        assert_true(seen > PIXELS / 4 && mean <= rows[r].mean);
+        assert_true(counters.mirror_rays >= seen);
+        assert_int_equal(counters.nan_pixels + counters.step_cap_hits, 0);
+        free(a);
+        free(b);
+        free(without);
+    }
+    gw_stage_close(&with);
+    gw_stage_close(&image);
+}
+
+/* Mean difference that a gaze whose border crosses the mirror makes to the exact picture. */
+static double error_of_gaze(const char *shaders) {
+    gw_stage stage;
+    gw_camera camera;
+    check_ok(gw_stage_open(&stage, room(1, 1), shaders,
+                           (const char *const[]){"octree_depth=9", "sample_block=1", "tau=2", NULL}, &error));
+    look(&camera, &stage, 0);
+    uint8_t *exact = take(&stage, &camera, NULL, NULL);
+    gw_camera_gaze(&camera, SIDE / 2, SIDE / 2, 3.0);
+    gw_counters counters = {0};
+    uint8_t *gazed = take(&stage, &camera, NULL, &counters);
+    double difference = gw_mean_difference(exact, gazed, PIXELS);
+    assert_int_equal(counters.nan_pixels, 0);
+    free(exact);
+    free(gazed);
+    gw_stage_close(&stage);
+    return difference;
+}
+
+static void voxels_of_a_mirror_reflect_too(void **state) {
+    (void)state;
+    char folder[512];
+    double reflecting = error_of_gaze(NULL),
+           dull = error_of_gaze(gw_naive_shaders(folder, "dull", "shade/mirror_share.glsl", "DULL_VOXELS"));
+    print_message("a gaze across the mirror changes pixels by %.2f/255; were its voxels dull: %.2f\n",
+                  reflecting, dull);
+    assert_true(reflecting < 2.0);
+    assert_true(dull > 4.0 * reflecting); /* the naive rule fails */
+}
+
+/* A gaze, voxels, sparse samples, shadows, a curved mirror and a flat one. */
+static void however_it_is_drawn_pixels_are_the_same(void **state) {
+    (void)state;
+    gw_stage stage;
+    gw_camera camera;
+    gw_scene *scene = room(1, 1);
+    for (uint32_t i = 0; i < scene->triangle_count; i += 3)
+        scene->material_of[i] = MIRROR;
+    check_ok(
+        gw_stage_open(&stage, scene, NULL, (const char *const[]){"octree_depth=8", "tau=3", NULL}, &error));
+    look(&camera, &stage, 0);
+    gw_camera_gaze(&camera, SIDE / 3, SIDE / 2, 4.0);
+    gw_counters counters = {0};
+    uint8_t *whole = take(&stage, &camera, NULL, NULL);
+    static const struct {
+        const char *what;
+        gw_renderer_options options;
+    } ways[] = {{"counted", {.count = 1}},
+                {"suspended", {.loop_budget = 32}},
+                {"all effects", {.force_features = ~(uint32_t)GW_FEATURE_ACCUMULATE}}};
+    for (size_t w = 0; w < sizeof ways / sizeof ways[0]; ++w) {
+        uint8_t *other = take(&stage, &camera, &ways[w].options, w == 1 ? &counters : NULL);
+        if (memcmp(whole, other, PIXELS * 4))
+            fail_msg("%s: other pixels", ways[w].what);
+        free(other);
+    }
+    assert_true(counters.resumed > PIXELS);
+    assert_true(counters.mirror_rays > PIXELS / 4 && counters.shadow_rays > counters.mirror_rays / 4);
+
+    gw_renderer *renderer = renderer_of(&stage, NULL);
+    uint8_t *part = calloc(PIXELS, 4);
+    assert_non_null(part);
+    static const gw_rectangle parts[] = {{0, 0, 41, 57}, {41, 3, 55, 93}, {7, 57, 34, 39}};
+    for (size_t p = 0; p < sizeof parts / sizeof parts[0]; ++p) {
+        const gw_rectangle *r = &parts[p];
+        check_ok(gw_renderer_frame(renderer, &camera.placement, &camera.plane, r, &camera.state, part, NULL,
+                                   &error));
+        for (uint32_t y = 0; y < r->height; ++y)
+            assert_memory_equal(part + (size_t)y * r->width * 4,
+                                whole + ((size_t)(r->y + (int)y) * SIDE + (size_t)r->x) * 4,
+                                (size_t)r->width * 4);
+    }
+    free(part);
+    free(whole);
+    gw_renderer_destroy(&renderer);
+    gw_stage_close(&stage);
+}
+
+/* Two mirrors that face each other: one bounce, then the light from everywhere. No pixel is brighter than
+ * what shines. */
+static void a_corridor_of_mirrors_ends(void **state) {
+    (void)state;
+    gw_mesh mesh = {0};
+    gw_mesh_add_grid(&mesh, (const double[]){-0.5, -1, -1}, (const double[]){0, 2, 0},
+                     (const double[]){0, 0, 2}, 8, 8);
+    gw_mesh_add_grid(&mesh, (const double[]){0.5, -1, -1}, (const double[]){0, 2, 0},
+                     (const double[]){0, 0, 2}, 8, 8);
+    gw_scene *scene = gw_mesh_take(&mesh);
+    scene->materials[0] = (gw_material){.base_color = {1, 1, 1, 1}, .metalness = 1, .base_color_texture = -1};
+    for (int i = 0; i < 3; ++i) {
+        scene->ambient[i] = 1.0f;
+        scene->background[i] = 0.25f;
+    }
+    gw_stage stage;
+    gw_camera camera;
+    check_ok(gw_stage_open(&stage, scene, NULL, (const char *const[]){"octree_depth=6", NULL}, &error));
+    gw_camera_look(&camera, &stage, (const double[]){0.2, 0.1, 0.6}, (const double[]){-0.5, 0, -0.2}, 60,
+                   SIDE);
+    for (int t = 0; t < 3; ++t) {
+        gw_counters counters = {0};
+        camera.state.tau_inside = (float)t;
+        uint8_t *rgba = take(&stage, &camera, NULL, &counters);
+        for (size_t i = 0; i < PIXELS; ++i)
+            assert_true(rgba[i * 4] <= 156); /* 1 / pi; 0.25 is 137 */
+        assert_true(counters.mirror_rays > PIXELS / 2);
+        assert_int_equal(counters.nan_pixels + counters.step_cap_hits, 0);
+        free(rgba);
+    }
+    gw_stage_close(&stage);
+}
+
+/* What nothing calls for has no rays and no room. */
+static void without_lights_and_mirrors_there_is_nothing(void **state) {
+    (void)state;
+    gw_mesh mesh = {0};
+    gw_mesh_add_sphere(&mesh, (const double[]){0, 0, 0}, 1.0, 0.1, 20, 12);
+    gw_stage stage;
+    gw_camera camera;
+    check_ok(gw_stage_open(&stage, gw_mesh_take(&mesh), NULL, (const char *const[]){"octree_depth=6", NULL},
+                           &error));
+    look(&camera, &stage, 0);
+    const gw_renderer_options forced = {.force_features = GW_FEATURE_MIRROR | GW_FEATURE_SHADOWS};
+    gw_renderer *plain = renderer_of(&stage, NULL), *more = renderer_of(&stage, &forced);
+    gw_counters counters = {0};
+    uint8_t *a = gw_camera_take(&camera, plain, &counters), *b = gw_camera_take(&camera, more, &counters);
+    assert_memory_equal(a, b, PIXELS * 4);
+    assert_int_equal(counters.mirror_rays + counters.shadow_rays, 0);
+    assert_true(gw_renderer_parts_of(plain).rays < gw_renderer_parts_of(more).rays);
+    free(a);
+    free(b);
+    gw_renderer_destroy(&plain);
+    gw_renderer_destroy(&more);
+    gw_stage_close(&stage);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_mirror_shows_the_mirrored_scene),
+        cmocka_unit_test(voxels_of_a_mirror_reflect_too),
+        cmocka_unit_test(however_it_is_drawn_pixels_are_the_same),
+        cmocka_unit_test(a_corridor_of_mirrors_ends),
+        cmocka_unit_test(without_lights_and_mirrors_there_is_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -37,7 +37,8 @@ double gw_predicted_error_at(const gw_frame_block *given, const gw_frame_block *
     double limit = seen ? fmax(1, gw_sparse_spacing(given, x, y)) : 1;
     double side = seen ? side_at(in_force, drawn.sample_block, x, y) : 1;
     double pitch = side > 1 ? side : sqrt(1.0 / in_force->counts[3]);
-    double footprint = seen ? fmax(pitch, gw_sparse_spacing(in_force, x, y)) : pitch;
+    double footprint =
+        seen ? fmax(pitch, (double)in_force->gazing[0] * gw_sparse_spacing(in_force, x, y)) : pitch;
     double tau = drawn.geometry == GW_GEOMETRY_TRIANGLES ? 0 : gw_sparse_tau(in_force, x, y);
     return fmax(1, fmax(pitch, tau * footprint) / limit);
 }

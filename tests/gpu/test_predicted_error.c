@@ -89,7 +89,7 @@ static double direct_error(const gw_frame_state *s, double x, double y) {
     const seen drawn = look(s, (double)s->acuity_slope * strain, (double)s->gaze_margin / strain, x, y);
     const double side = direct_side(s, x, y), ramp = fmin(fmax(drawn.outside / (double)s->gaze_blend, 0), 1);
     const double tau = (double)s->tau * pow(strain, 0.25) * ramp * ramp * (3 - 2 * ramp);
-    return fmax(1, fmax(side, tau * fmax(side, drawn.spacing)) / limit);
+    return fmax(1, fmax(side, tau * fmax(side, (double)s->gaze_footprint * drawn.spacing)) / limit);
 }
 
 static void it_is_what_the_formula_says(void **state) {
@@ -98,6 +98,7 @@ static void it_is_what_the_formula_says(void **state) {
     double before = 0;
     for (size_t k = 0; k < sizeof strains / sizeof strains[0]; k++) {
         gw_camera strained = camera;
+        strained.state.gaze_footprint = k == 3 ? 1 : 0.5f;
         const gw_rectangle all = {0, 0, SIDE, SIDE};
         gw_predicted_error sum = {0};
         strained.state.strain = strains[k];
@@ -160,34 +161,46 @@ static void splits_add_up(void **state) {
     assert_true(sum.worst == whole.worst && fabs(sum.sum - whole.sum) < 1e-9 * whole.sum);
 }
 
-/* Squares as drawn: the map of rates is half the picture and half a colour of log2 of their side. */
-static void squares_are_those_that_are_drawn(void **state) {
-    gw_camera plain = camera, map;
-    size_t compared = 0, other = 0, kinds[5] = {0};
+/* What a map shows at a pixel beside half of the picture, as a colour of shaders/shade/debug_view.glsl; how
+ * far it is from that of c. */
+static double colour_error(const uint8_t *map, const uint8_t *picture, size_t at, double c) {
+    const double red = 2 * gw_srgb_code_to_linear(map[at]) - gw_srgb_code_to_linear(picture[at]),
+                 blue = 2 * gw_srgb_code_to_linear(map[at + 2]) - gw_srgb_code_to_linear(picture[at + 2]);
+    c = fmin(fmax(c, 0), 1);
+    return fmax(fabs(red - fmin(fmax(3 * c - 1, 0), 1)), fabs(blue - fmin(fmax(1 - 2 * c, 0), 1)));
+}
+
+/* Squares and footprints as they are drawn, from the maps of rates and of footprints. */
+static void they_are_those_that_are_drawn(void **state) {
+    gw_camera plain = camera, rates = camera, footprints = camera;
+    size_t compared = 0, other[2] = {0}, kinds[5] = {0};
     (void)state;
-    plain.state.strain = 4;
-    map = plain;
-    map.state.debug = GW_DEBUG_RATES;
-    uint8_t *picture = gw_camera_take(&plain, renderer, NULL), *rates = gw_camera_take(&map, renderer, NULL);
+    plain.state.strain = rates.state.strain = footprints.state.strain = 4;
+    rates.state.debug = GW_DEBUG_RATES;
+    footprints.state.debug = GW_DEBUG_FOOTPRINT;
+    uint8_t *picture = gw_camera_take(&plain, renderer, NULL),
+            *sides = gw_camera_take(&rates, renderer, NULL),
+            *widths = gw_camera_take(&footprints, renderer, NULL);
+    const gw_frame_state *s = &plain.state;
     for (int y = 4; y < SIDE; y += 16)
         for (int x = 4; x < SIDE; x += 16) {
             const size_t at = ((size_t)y * SIDE + (size_t)x) * 4;
-            const double heat_red =
-                             2 * gw_srgb_code_to_linear(rates[at]) - gw_srgb_code_to_linear(picture[at]),
-                         heat_blue = 2 * gw_srgb_code_to_linear(rates[at + 2]) -
-                                     gw_srgb_code_to_linear(picture[at + 2]);
-            const double side = direct_side(&plain.state, x, y), c = fmax(0, 1 - log2(side) / 3);
-            const double red = fmin(fmax(3 * c - 1, 0), 1), blue = fmin(fmax(1 - 2 * c, 0), 1);
+            const double side = direct_side(s, x, y);
+            const double spacing =
+                look(s, (double)s->acuity_slope * 4, (double)s->gaze_margin / 4, x, y).spacing;
+            const double width = fmax(side, (double)s->gaze_footprint * spacing);
             compared++;
             kinds[(int)log2(side)]++;
-            other += fabs(heat_red - red) > 0.15 || fabs(heat_blue - blue) > 0.15;
+            other[0] += colour_error(sides, picture, at, 1 - log2(side) / 3) > 0.15;
+            other[1] += colour_error(widths, picture, at, 1 - log2(width) / 4) > 0.15;
         }
-    print_message("# %zu places, %zu blended with another rate; of side 1 to 16: %zu %zu %zu %zu %zu\n",
-                  compared, other, kinds[0], kinds[1], kinds[2], kinds[3], kinds[4]);
-    assert_true(other * 10 < compared);
+    print_message("# %zu places, %zu and %zu blended with others; of side 1 to 16: %zu %zu %zu %zu %zu\n",
+                  compared, other[0], other[1], kinds[0], kinds[1], kinds[2], kinds[3], kinds[4]);
+    assert_true(other[0] * 10 < compared && other[1] * 10 < compared);
     assert_true(kinds[0] > 0 && kinds[1] > 0 && kinds[2] > 0 && kinds[3] > 0);
     free(picture);
-    free(rates);
+    free(sides);
+    free(widths);
 }
 
 /* A strained state draws what the settings that it stands for draw. */
@@ -212,7 +225,7 @@ int main(void) {
         cmocka_unit_test(it_is_what_the_formula_says),
         cmocka_unit_test(special_cases),
         cmocka_unit_test(splits_add_up),
-        cmocka_unit_test(squares_are_those_that_are_drawn),
+        cmocka_unit_test(they_are_those_that_are_drawn),
         cmocka_unit_test(strain_is_its_settings),
     };
     return cmocka_run_group_tests(tests, open_stage, close_stage);

@@ -130,6 +130,8 @@ static gw_camera random_state(uint64_t *random) {
     camera.state.level_blend = camera.state.leaf_blend = below(random, 5) > 0;
     for (uint32_t viewers = below(random, 4); viewers > 0; --viewers)
         add_gaze(&camera, random);
+    camera.state.strain = below(random, 3) ? 1 : between(random, 1, 16);
+    camera.state.accumulate = below(random, 3) ? 1 : 2;
     return camera;
 }
 

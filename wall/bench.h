@@ -21,6 +21,7 @@ typedef struct gw_bench {
     uint32_t repeats; /* 0: the bench's own number */
     uint32_t frames;  /* of benches that follow a camera path; 0: the bench's own number */
     const char *path; /* its name or number; NULL: the scene's first */
+    int point_light;  /* of modes: one point light instead of the scene's lights, as in the paper */
     uint32_t size[2]; /* px, of benches that trace a picture; 0: the bench's own */
     size_t scene_count;
     const char *scenes[64]; /* of benches that take several; none: draw.scene */
@@ -37,6 +38,9 @@ gw_code gw_bench_peers(gw_bench *bench, gw_error *error);
 /* The same primary rays through the octree in other forms of nodes, fetches, stacks and traversals. Fails
  * when one gives another hit than the shipped form. */
 gw_code gw_bench_layouts(gw_bench *bench, gw_error *error);
+
+/* Options of a renderer of pictures: the effects that the command line forces and forbids. count: of work. */
+gw_renderer_options gw_bench_rendering(const gw_bench *bench, int count);
 
 /* The rays of the default wall's pixels, bench->size or the benches' default, in rebased space; free() them.
  */

@@ -176,7 +176,7 @@ static gw_code open_scene(aliasing *a, const char *path, gw_error *error) {
                                       .animation = bench->draw.animation,
                                       .log = &bench->console.log};
     const gw_octree_options how = {.settings = &bench->draw.settings, .log = &bench->console.log};
-    const gw_renderer_options counting = {.count = 1, .log = &bench->console.log};
+    const gw_renderer_options counting = gw_bench_rendering(bench, 1);
     gw_gl *device = bench->model.device;
     gw_code code = path ? gw_import(path, &import, &a->scene, error)
                         : gw_city_scene(bench->quick ? 10 : 24, &a->scene, error);

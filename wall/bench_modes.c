@@ -5,6 +5,7 @@
 
 #include "base/clock.h"
 #include "base/memory.h"
+#include "base/portable_math.h"
 #include "render/acuity_filter.h"
 #include "render/flip.h"
 #include "render/frame_block.h"
@@ -160,10 +161,35 @@ static void conclude(gw_bench_modes *m) {
     }
 }
 
+/* The paper's one light: in the scene's box, near its top, a little off its middle; as bright half the box's
+ * diagonal away as a sun. */
+static gw_code set_point_light(gw_scene *scene, gw_error *error) {
+    static const double place[3] = {0.25, 0.8, 0.35}; /* half the box's sides */
+    gw_light light = {.kind = GW_LIGHT_POINT};
+    double square = 0;
+    for (int k = 0; k < 3; k++) {
+        double half = 0.5 * (scene->bounds[1][k] - scene->bounds[0][k]);
+        light.vector[k] = scene->bounds[0][k] + half * (1 + place[k]);
+        square += half * half;
+    }
+    for (int k = 0; k < 3; k++)
+        light.color[k] = (float)(GW_PI * square);
+    free(scene->lights);
+    scene->lights = NULL;
+    scene->light_count = 0;
+    gw_code code = gw_allocate((void **)&scene->lights, 1, sizeof light, "the point light", error);
+    if (code)
+        return code;
+    scene->lights[0] = light;
+    scene->light_count = 1;
+    gw_scene_rehash(scene);
+    return GW_OK;
+}
+
 static gw_code open_modes(drawing *d, gw_error *error) {
     gw_bench_modes *m = d->modes;
     gw_bench *bench = m->bench;
-    const gw_renderer_options counting = {.count = 1, .log = &bench->console.log};
+    const gw_renderer_options plain = gw_bench_rendering(bench, 0), counting = gw_bench_rendering(bench, 1);
     gw_code code = gw_bench_path_open(bench, bench->quick ? 128 : 1024, &m->path, error);
     m->stations = !m->path.path ? 1 : bench->frames ? bench->frames : bench->quick ? 2 : 4;
     m->rounds = bench->repeats ? bench->repeats : bench->quick ? 1 : 3;
@@ -172,12 +198,14 @@ static gw_code open_modes(drawing *d, gw_error *error) {
         m->outcomes[i].name = names[i].name;
         m->outcomes[i].what = names[i].what;
     }
+    if (!code && bench->point_light)
+        code = set_point_light(bench->model.scene, error);
     if (!code)
         code = gw_image_create(m->path.size[0], m->path.size[1], &d->reference, error);
     if (!code)
         code = gw_image_create(m->path.size[0], m->path.size[1], &d->picture, error);
     if (!code)
-        code = gw_renderer_create(bench->model.device, bench->model.scene, bench->model.octree, NULL,
+        code = gw_renderer_create(bench->model.device, bench->model.scene, bench->model.octree, &plain,
                                   &d->renderer, error);
     if (!code)
         code = gw_renderer_create(bench->model.device, bench->model.scene, bench->model.octree, &counting,

@@ -69,12 +69,13 @@ static json_t *mode_json(const gw_bench_modes *m, const gw_mode_outcome *o) {
     json_t *flicker = m->path.path ? flicker_json(&o->flicker) : json_null();
     json_t *seen = m->path.path ? flicker_json(&o->seen_flicker) : json_null();
     return json_pack(
-        "{s:s, s:s, s:{s:I, s:I, s:I, s:I, s:I, s:I}, s:o, s:f, s:f, s:f, s:f, s:f, s:f, s:o, s:o}", "name",
-        o->name, "what", o->what, "counters", "rays", (json_int_t)c->rays, "steps", (json_int_t)c->steps,
-        "node_loads", (json_int_t)c->node_loads, "triangle_tests", (json_int_t)c->triangle_tests, "voxels",
-        (json_int_t)c->voxels, "voxel_rays", (json_int_t)c->voxel_rays, "ms", times, "mean_ms", o->mean_ms,
-        "frame_rate", 1000 / o->mean_ms, "ratio", o->ratio, "voxel_share", voxel_share(o), "flip", o->flip,
-        "seen_flip", o->seen_flip, "flicker", flicker, "seen_flicker", seen);
+        "{s:s, s:s, s:{s:I, s:I, s:I, s:I, s:I, s:I, s:I}, s:o, s:f, s:f, s:f, s:f, s:f, s:f, s:o, s:o}",
+        "name", o->name, "what", o->what, "counters", "rays", (json_int_t)c->rays, "steps",
+        (json_int_t)c->steps, "node_loads", (json_int_t)c->node_loads, "triangle_tests",
+        (json_int_t)c->triangle_tests, "voxels", (json_int_t)c->voxels, "voxel_rays",
+        (json_int_t)c->voxel_rays, "shadow_rays", (json_int_t)c->shadow_rays, "ms", times, "mean_ms",
+        o->mean_ms, "frame_rate", 1000 / o->mean_ms, "ratio", o->ratio, "voxel_share", voxel_share(o), "flip",
+        o->flip, "seen_flip", o->seen_flip, "flicker", flicker, "seen_flicker", seen);
 }
 
 static void report_modes(const gw_bench_modes *m) {
@@ -104,18 +105,19 @@ static gw_code write_rows(const gw_bench_modes *m, gw_error *error) {
     FILE *stream = open_memstream(&text, &size);
     if (!stream)
         return gw_fail(error, GW_MACHINE, "memory is out while writing results");
-    fputs("mode,rays,steps,node_loads,triangle_tests,voxels,voxel_share,mean_ms,frame_rate,ratio,flip,seen_"
+    fputs("mode,rays,shadow_rays,steps,node_loads,triangle_tests,voxels,voxel_share,mean_ms,frame_rate,ratio,"
+          "flip,seen_"
           "flip,"
           "flicker,flicker_99,pop,seen_flicker,seen_flicker_99,seen_pop\n",
           stream);
     for (int i = 0; i < GW_MODE_COUNT; i++) {
         const gw_mode_outcome *o = &m->outcomes[i];
         const gw_flicker_result *f = &o->flicker, *seen = &o->seen_flicker;
-        fprintf(stream, "%s,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.3f,%.3f,%.4f,%.5f,%.5f,", o->name,
-                per_pixel(m, o->counters.rays), per_pixel(m, o->counters.steps),
-                per_pixel(m, o->counters.node_loads), per_pixel(m, o->counters.triangle_tests),
-                per_pixel(m, o->counters.voxels), voxel_share(o), o->mean_ms, 1000 / o->mean_ms, o->ratio,
-                o->flip, o->seen_flip);
+        fprintf(stream, "%s,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.3f,%.3f,%.4f,%.5f,%.5f,", o->name,
+                per_pixel(m, o->counters.rays), per_pixel(m, o->counters.shadow_rays),
+                per_pixel(m, o->counters.steps), per_pixel(m, o->counters.node_loads),
+                per_pixel(m, o->counters.triangle_tests), per_pixel(m, o->counters.voxels), voxel_share(o),
+                o->mean_ms, 1000 / o->mean_ms, o->ratio, o->flip, o->seen_flip);
         fprintf(stream, "%.5f,%.5f,%.5f,%.5f,%.5f,%.5f\n", f->mean, f->percentile, f->pop, seen->mean,
                 seen->percentile, seen->pop);
     }
@@ -149,19 +151,22 @@ gw_code gw_modes_write(gw_bench_modes *m, gw_error *error) {
 }
 
 static void print_table(const gw_bench_modes *m) {
-    printf("              per pixel                          voxel    mean  frames                        "
-           "flicker\n");
-    printf("  mode         rays  steps  loads  tests  voxels  rays      ms    /s   ratio    FLIP    seen    "
-           "mean "
-           "   seen     pop\n");
+    printf("              per pixel                                 voxel    mean  frames\n");
+    printf("  mode         rays shadow  steps  loads  tests  voxels  rays      ms    /s   ratio\n");
     for (int i = 0; i < GW_MODE_COUNT; i++) {
         const gw_mode_outcome *o = &m->outcomes[i];
-        printf("  %-10s %6.3f %6.1f %6.1f %6.2f %7.2f %4.0f%% %7.1f %5.2f   %5.3f  %.4f  %.4f  %.4f  %.4f  "
-               "%.4f\n",
-               o->name, per_pixel(m, o->counters.rays), per_pixel(m, o->counters.steps),
-               per_pixel(m, o->counters.node_loads), per_pixel(m, o->counters.triangle_tests),
-               per_pixel(m, o->counters.voxels), 100 * voxel_share(o), o->mean_ms, 1000 / o->mean_ms,
-               o->ratio, o->flip, o->seen_flip, o->flicker.mean, o->seen_flicker.mean, o->seen_flicker.pop);
+        printf("  %-10s %6.3f %6.3f %6.1f %6.1f %6.2f %7.2f %4.0f%% %7.1f %5.2f   %5.3f\n", o->name,
+               per_pixel(m, o->counters.rays), per_pixel(m, o->counters.shadow_rays),
+               per_pixel(m, o->counters.steps), per_pixel(m, o->counters.node_loads),
+               per_pixel(m, o->counters.triangle_tests), per_pixel(m, o->counters.voxels),
+               100 * voxel_share(o), o->mean_ms, 1000 / o->mean_ms, o->ratio);
+    }
+    printf("              FLIP    seen   flicker: mean    99 %%     pop   seen: mean    99 %%     pop\n");
+    for (int i = 0; i < GW_MODE_COUNT; i++) {
+        const gw_mode_outcome *o = &m->outcomes[i];
+        const gw_flicker_result *f = &o->flicker, *seen = &o->seen_flicker;
+        printf("  %-10s %.4f  %.4f         %.4f  %.4f  %.4f       %.4f  %.4f  %.4f\n", o->name, o->flip,
+               o->seen_flip, f->mean, f->percentile, f->pop, seen->mean, seen->percentile, seen->pop);
     }
 }
 
@@ -180,8 +185,9 @@ void gw_modes_print(const gw_bench_modes *m) {
         printf("  no camera path: one view of the default wall, no flicker; the best of %" PRIu32
                " rounds in turns",
                m->rounds);
-    printf(" on %s, %s clock; primary rays\n", gw_gl_limits_of(m->bench->model.device)->renderer,
-           m->by_processor ? "processor" : "wall");
+    printf(" on %s, %s clock%s\n", gw_gl_limits_of(m->bench->model.device)->renderer,
+           m->by_processor ? "processor" : "wall",
+           m->bench->point_light ? "; one point light instead of the scene's" : "");
     printf("  errors to 16 exact rays a pixel, plain and as seen by a viewer who looks at the centre\n");
     print_table(m);
     for (int i = 0; i < VERDICTS; i++)

@@ -68,6 +68,7 @@ static gw_code read_model(const residents *r, size_t index, gw_scene **out, gw_e
 static gw_code open_model(residents *r, resident *model, size_t index, gw_error *error) {
     gw_gl *device = r->bench->model.device;
     const gw_octree_options how = {.settings = &r->settings};
+    const gw_renderer_options plain = gw_bench_rendering(r->bench, 0);
     gw_code code = read_model(r, index, &model->scene, error);
     const int64_t begin = gw_now_ns();
     if (!code)
@@ -77,7 +78,7 @@ static gw_code open_model(residents *r, resident *model, size_t index, gw_error 
         code = gw_place_scene(model->scene, r->layout.size[0], r->layout.size[1], r->layout.centre,
                               r->layout.eye, &model->placement, error);
     if (!code)
-        code = gw_renderer_create(device, model->scene, model->octree, NULL, &model->renderer, error);
+        code = gw_renderer_create(device, model->scene, model->octree, &plain, &model->renderer, error);
     return code;
 }
 

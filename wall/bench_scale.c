@@ -147,9 +147,10 @@ static double share(uint64_t foveated, uint64_t full) {
 }
 
 static json_t *work_json(const gw_counters *c) {
-    return json_pack("{s:I, s:I, s:I, s:I, s:I}", "rays", (json_int_t)c->rays, "steps", (json_int_t)c->steps,
-                     "node_loads", (json_int_t)c->node_loads, "triangle_tests", (json_int_t)c->triangle_tests,
-                     "voxels", (json_int_t)c->voxels);
+    return json_pack("{s:I, s:I, s:I, s:I, s:I, s:I}", "rays", (json_int_t)c->rays, "steps",
+                     (json_int_t)c->steps, "node_loads", (json_int_t)c->node_loads, "triangle_tests",
+                     (json_int_t)c->triangle_tests, "voxels", (json_int_t)c->voxels, "shadow_rays",
+                     (json_int_t)c->shadow_rays);
 }
 
 static void report_walls(const scale *s) {
@@ -252,13 +253,13 @@ static void print_walls(const scale *s) {
 
 static gw_code open_scale(scale *s, gw_error *error) {
     gw_bench *bench = s->bench;
-    const gw_renderer_options counting = {.count = 1, .log = &bench->console.log};
+    const gw_renderer_options plain = gw_bench_rendering(bench, 0), counting = gw_bench_rendering(bench, 1);
     s->panel[0] = bench->quick ? 1920 / QUICK : 1920;
     s->panel[1] = bench->quick ? 1080 / QUICK : 1080;
     s->by_processor = gw_gl_limits_of(bench->model.device)->software;
     gw_code code = gw_allocate((void **)&s->pixels, (size_t)s->panel[0] * s->panel[1], 4, "pixels", error);
     if (!code)
-        code = gw_renderer_create(bench->model.device, bench->model.scene, bench->model.octree, NULL,
+        code = gw_renderer_create(bench->model.device, bench->model.scene, bench->model.octree, &plain,
                                   &s->renderer, error);
     if (!code)
         code = gw_renderer_create(bench->model.device, bench->model.scene, bench->model.octree, &counting,

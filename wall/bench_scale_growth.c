@@ -84,7 +84,7 @@ static gw_code trace(const gw_bench *bench, gw_renderer *renderer, int lod, uint
 
 static gw_code measure(const gw_bench *bench, growth *g, uint8_t *pixels, uint32_t side, gw_error *error) {
     const gw_octree_options how = {.settings = &bench->draw.settings, .log = &bench->console.log};
-    const gw_renderer_options counting = {.count = 1, .log = &bench->console.log};
+    const gw_renderer_options counting = gw_bench_rendering(bench, 1);
     gw_scene *scene = NULL;
     gw_octree *octree = NULL;
     gw_renderer *renderer = NULL;

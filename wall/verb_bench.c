@@ -43,7 +43,7 @@ typedef struct bench_options {
     const bench_kind *kind;
 } bench_options;
 
-enum { KEY_OUT = 0x5000, KEY_QUICK, KEY_REPEATS, KEY_SIZE, KEY_FRAMES, KEY_PATH };
+enum { KEY_OUT = 0x5000, KEY_QUICK, KEY_REPEATS, KEY_SIZE, KEY_FRAMES, KEY_PATH, KEY_POINT_LIGHT };
 
 static const struct argp_option options_table[] = {
     {"out", KEY_OUT, "FOLDER", 0, "write WHAT.csv and WHAT.json there; made if missing", 1},
@@ -55,6 +55,8 @@ static const struct argp_option options_table[] = {
      "trace (1024x576, quick 160x90)",
      1},
     {"path", KEY_PATH, "NAME", 0, "camera path that modes follows, by name or number; default: the first", 1},
+    {"point-light", KEY_POINT_LIGHT, NULL, 0,
+     "modes: one point light with hard shadows instead of the scene's lights, as in the paper", 1},
     {"frames", KEY_FRAMES, "N", 0,
      "1 to 64, default 4 (quick 2): pairs of frames on that path; frames of aliasing, default 12 (quick 3)",
      1},
@@ -125,6 +127,9 @@ static error_t parse_bench(int key, char *argument, struct argp_state *state) {
     case KEY_FRAMES:
         code = gw_parse_integer("--frames", argument, 1, 64, &integer, error);
         o->bench.frames = (uint32_t)integer;
+        break;
+    case KEY_POINT_LIGHT:
+        o->bench.point_light = 1;
         break;
     case KEY_PATH:
         o->bench.path = argument;
@@ -221,6 +226,13 @@ gw_code gw_bench_plot(const gw_bench *bench, const char *name, const gw_plot *pl
     free(svg);
     free(path);
     return code;
+}
+
+gw_renderer_options gw_bench_rendering(const gw_bench *bench, int count) {
+    return (gw_renderer_options){.count = count,
+                                 .force_features = bench->draw.force_effects,
+                                 .forbid_features = bench->draw.forbid_effects,
+                                 .log = &bench->console.log};
 }
 
 static gw_code prepare(bench_options *o, int argc, char **argv, gw_error *error) {

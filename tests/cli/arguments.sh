@@ -110,6 +110,11 @@ is "flicker of modes that alias" \
     "$(json "$folder/along/modes.json" '["bench"] and all(0 < m["flicker"]["mean"] < m["flicker"]["largest"] for m in d["bench"]["modes"])')" True
 is "verdicts and plotted times" "$(json "$folder/along/modes.json" '["bench"]["verdicts"].__len__()') $(ls "$folder/along/modes-time.svg")" \
     "3 $folder/along/modes-time.svg"
+"$program" bench modes --quick --size 48x48 --frames 1 "${on_path[@]}" --point-light --out "$folder/point"
+"$program" bench modes --quick --size 48x48 --frames 1 "${on_path[@]}" --point-light --forbid-effect shadows --out "$folder/dark"
+is "one shadow ray for one light, where anything is lit" \
+    "$(json "$folder/point/modes.json" '["bench"]["modes"][0]["counters"] and 0 < d["bench"]["modes"][0]["counters"]["shadow_rays"] <= 48 * 48')" True
+is "none where shadows are forbidden" "$(json "$folder/dark/modes.json" '["bench"]["modes"][0]["counters"]["shadow_rays"]')" 0
 expect "a path that is none" 2 "has no camera path 'walk'; it has 1, the first is 'round'" bench modes "${on_path[@]}" --path walk
 "$program" render "${on_path[@]}" --path round --time 9 --size 32x32 --out "$folder/on-path.png"
 "$program" render "${on_path[@]}" --eye 5,2,4 --look-at 0,0,0 --fov 50 --size 32x32 --out "$folder/eye.png"

@@ -19,16 +19,18 @@ uint64_t gw_shadow_buffers_bytes(const gw_shadow_buffers *buffers) {
 }
 
 uint64_t gw_shadow_ray_bytes(uint32_t fragments, uint32_t lights) {
-    return (uint64_t)fragments * lights * 2 * sizeof(uint32_t) + (GW_STATE_WORDS + 2) * sizeof(uint32_t);
+    return ((uint64_t)fragments * 2 + GW_KEPT_WORDS) * lights * sizeof(uint32_t) +
+           (GW_STATE_WORDS + 2) * sizeof(uint32_t);
 }
 
-static gw_code reserve(gw_renderer *renderer, size_t places, gw_error *error) {
+/* words: visibilities, and behind them what is kept from round to round. */
+static gw_code reserve(gw_renderer *renderer, size_t places, size_t words, gw_error *error) {
     gw_shadow_buffers *shadows = &renderer->shadows;
     size_t batch = gw_renderer_chunk_slots(renderer);
     if (batch > places)
         batch = places;
     gw_code code =
-        gw_renderer_grow(renderer, &shadows->visibilities, "visibilities", places * sizeof(float), error);
+        gw_renderer_grow(renderer, &shadows->visibilities, "visibilities", words * sizeof(uint32_t), error);
     if (!code)
         code = gw_renderer_grow(renderer, &shadows->rays, "shadow rays", places * sizeof(uint32_t), error);
     if (!code)
@@ -64,13 +66,18 @@ static gw_code kernel_of(const gw_frame_job *job, const char *name, uint32_t fea
     return code;
 }
 
-static gw_code list_rays(gw_frame_job *job, size_t slots, int resume, uint32_t *count, gw_error *error) {
+static gw_code list_rays(gw_frame_job *job, size_t slots, int resume, uint32_t kept_begin, uint32_t *count,
+                         gw_error *error) {
     const uint32_t features = GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_SPARSE;
     uint32_t totals[GW_TOTAL_WORDS];
     GLuint program = 0;
     gw_code code = kernel_of(job, "shade/list_shadows.comp", features, resume, &program, error);
     if (!code && resume)
         glProgramUniform1ui(program, 0, (GLuint)slots);
+    if (!code && (job->key.features & GW_FEATURE_LOD)) {
+        glProgramUniform1ui(program, 3, kept_begin);
+        glProgramUniform1ui(job->shade, 3, kept_begin);
+    }
     if (!code)
         code = gw_gl_dispatch(job->renderer->device, program, (slots + GW_BLOCK_PIXELS - 1) / GW_BLOCK_PIXELS,
                               error);
@@ -120,10 +127,12 @@ gw_code gw_frame_shadows(gw_frame_job *job, size_t slots, int resume, gw_error *
     const uint32_t lights = job->block.counts[1] + job->block.counts[2];
     if (!(job->key.features & GW_FEATURE_SHADOWS) || lights == 0)
         return GW_OK;
-    gw_code code = reserve(renderer, job->rays->slots * gw_kernel_fragments(&job->key) * lights, error);
+    const size_t slots_of_all = job->rays->slots,
+                 places = slots_of_all * gw_kernel_fragments(&job->key) * lights;
+    gw_code code = reserve(renderer, places, places + slots_of_all * lights * GW_KEPT_WORDS, error);
     uint32_t count = 0;
     if (!code)
-        code = list_rays(job, slots, resume, &count, error);
+        code = list_rays(job, slots, resume, (uint32_t)places, &count, error);
     job->counters.shadow_rays += count;
     gw_gl_buffer_bind(&renderer->shadows.states, GW_BINDING_STATES);
     uint32_t batch = (uint32_t)gw_renderer_chunk_slots(renderer);

@@ -106,6 +106,11 @@ GW_STRUCT_END(gw_gpu_light)
 // A suspended ray's state (trace/state.glsl), in words; shading needs to know where its transmittance and group opacity are.
 #define GW_STATE_WORDS 15u
 #define GW_STATE_TRANSMITTANCE 8u
+// Visibilities of fragments are float bits, 0 to 1, or with GW_SERVED the place where another's stand.
+#define GW_SERVED 0x80000000u
+#define GW_NO_PLACE 0xffffffffu
+#define GW_KEPT_WORDS 3u
+
 // Materials of metalness 1 and at most this roughness are perfect mirrors.
 #define GW_MIRROR_ROUGHNESS 0.02
 // A reflected ray, rows of 16 bytes: origin and footprint there; unit direction and growth of the footprint per unit; tau, below

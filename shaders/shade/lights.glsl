@@ -1,10 +1,8 @@
 // Light from everything that shines on a surface.
-#include "shade/light_list.glsl"
-
 #ifdef SHADOWS
-layout(std430, binding = 15) readonly buffer Visibilities { float visibilities[]; }; // [fragment][light], 0..1
-#define VISIBILITY(fragment, light) visibilities[(fragment) * light_count() + (light)]
+#include "shade/visibilities.glsl"
 #else
+#include "shade/light_list.glsl"
 #define VISIBILITY(fragment, light) 1.0
 #endif
 

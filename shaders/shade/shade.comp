@@ -126,6 +126,9 @@ void main() {
         sum += weight * vec4(debug_fragment(lit, surface, id), 1.0);
     }
     if (suspended) {
+#if defined(SHADOWS) && defined(LOD)
+        keep_visibilities(slot);
+#endif
         sums[slot] = sum;
         next_queue[atomicAdd(totals[2], 1u)] = slot;
         return;

@@ -24,7 +24,7 @@ layout(std430, binding = 5) writeonly buffer NextQueue { uint next_queue[]; };
 #ifdef COUNT
 layout(std430, binding = 6) buffer Work { uint work_words[]; };
 #endif
-layout(std430, binding = 15) writeonly buffer Visibilities { float visibilities[]; };
+layout(std430, binding = 15) writeonly buffer Visibilities { uint visibilities[]; };
 layout(std430, binding = 16) readonly buffer Shadow_rays { uint shadow_rays[]; };
 layout(location = 0) uniform uint queue_length; // or the number of rays in the batch
 layout(location = 2) uniform uint batch_begin;
@@ -123,9 +123,9 @@ void main() {
             atomicAdd(totals[0], 1u); // the driver ended a loop
 #ifdef LOD
         float left = remaining();
-        visibilities[place] = left >= OPAQUE_REMAINDER ? left : 0.0;
+        visibilities[place] = floatBitsToUint(left >= OPAQUE_REMAINDER ? left : 0.0);
 #else
-        visibilities[place] = hit_triangle == GW_NO_TRIANGLE ? 1.0 : 0.0;
+        visibilities[place] = floatBitsToUint(hit_triangle == GW_NO_TRIANGLE ? 1.0 : 0.0);
 #endif
     }
 #ifdef COUNT

@@ -170,7 +170,10 @@ static void make_state(gw_conductor *conductor, const struct gw_rank *rank, uint
     }
     if (gw_budget_is_on(&conductor->budget))
         state->strain = gw_budget_strain(&conductor->budget);
-    gw_frame_accumulate(state, frame ? &conductor->states[frame - 1] : NULL, conductor->scene_moves);
+    const gw_frame_state *before = frame ? &conductor->states[frame - 1] : NULL;
+    if (draw->settings.accumulate > 1)
+        gw_frame_hold(state, before, rank->options.still[0], rank->options.still[1]);
+    gw_frame_accumulate(state, before, conductor->scene_moves);
 }
 
 /* How long a silent tile is waited for. Kernels are compiled in the first frame, on all tiles at once. */

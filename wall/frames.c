@@ -128,6 +128,41 @@ void gw_frame_stare(gw_frame_state *state, const double eye[3], const double *ta
     add_gaze(state, eye, direction, settings, 0, 1);
 }
 
+static int gaze_is_near(const gw_gaze *a, const gw_gaze *b, double distance, double angle) {
+    double apart = 0, along = 0, across = 0;
+    for (int i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        const double move = (double)a->eye[i] - (double)b->eye[i];
+        const double turn = (double)a->direction[j] * (double)b->direction[k] -
+                            (double)a->direction[k] * (double)b->direction[j];
+        apart += move * move;
+        across += turn * turn;
+        along += (double)a->direction[i] * (double)b->direction[i];
+    }
+    return sqrt(apart) <= distance && atan2(sqrt(across), along) <= angle * (3.14159265358979323846 / 180);
+}
+
+void gw_frame_hold(gw_frame_state *state, const gw_frame_state *before, double distance, double angle) {
+    if (!before || before->gaze_count != state->gaze_count)
+        return;
+    double apart = 0;
+    for (int i = 0; i < 3; i++)
+        apart += (state->eye[i] - before->eye[i]) * (state->eye[i] - before->eye[i]);
+    int near = sqrt(apart) <= distance;
+    for (uint32_t i = 0; i < state->gaze_count && near; i++)
+        near = gaze_is_near(&state->gazes[i], &before->gazes[i], distance, angle);
+    if (!near)
+        return;
+    memcpy(state->eye, before->eye, sizeof state->eye);
+    for (uint32_t i = 0; i < state->gaze_count; i++) {
+        gw_gaze *gaze = &state->gazes[i];
+        const float age = gaze->age, confidence = gaze->confidence;
+        *gaze = before->gazes[i];
+        gaze->age = age;
+        gaze->confidence = confidence;
+    }
+}
+
 void gw_frame_accumulate(gw_frame_state *state, const gw_frame_state *before, int scene_moves) {
     const uint16_t most = state->accumulate;
     if (most <= 1)

@@ -30,6 +30,11 @@ void gw_frame_look(gw_frame_state *state, const gw_track *track, int64_t time, c
 void gw_frame_stare(gw_frame_state *state, const double eye[3], const double *target,
                     const gw_settings *settings);
 
+/* Heads and eyes are never quite still: where the eye and every viewer's lie within `distance` mm, and the
+ * gazes within `angle` degrees, of those that the frame before was drawn from, those stand. They are the ones
+ * of the view's first sample, so nobody drifts away unseen. before may be NULL. */
+void gw_frame_hold(gw_frame_state *state, const gw_frame_state *before, double distance, double angle);
+
 /* Counts the samples of a still view: state->accumulate, on entry the most that may be added up, becomes how
  * many are, and epoch the number of the view. before is the frame before, NULL for the first one. With 1
  * nothing is counted. */

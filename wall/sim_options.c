@@ -81,6 +81,7 @@ enum {
     KEY_STEP,
     KEY_GAZE,
     KEY_NO_GAZE,
+    KEY_STILL,
     KEY_BUDGET,
     KEY_BUDGET_RAYS,
     KEY_LOAD_DEADLINE,
@@ -115,6 +116,11 @@ static const struct argp_option sim_options[] = {
      "0 to 3600 s from frame to frame; default: the frames spread over the track", 2},
     {"states", KEY_STATES, "FILE", 0, "repeat recorded frame states instead of a track", 2},
     {"save-states", KEY_SAVE_STATES, "FILE", 0, "record the frame states, one per frame", 2},
+    {"still", KEY_STILL, "MM,DEGREES", 0,
+     "0,0 to 100,10, default 0,0: with 'accumulate', eyes and gazes that moved less since the view's first "
+     "sample "
+     "stand still",
+     2},
     {"budget", KEY_BUDGET, "MS", 0,
      "0.1 to 60000 ms: strain sharpness outside the gaze so that no tile takes longer for a frame", 2},
     {"budget-rays", KEY_BUDGET_RAYS, "N", 0,
@@ -197,6 +203,13 @@ static gw_code parse_frames(int key, const char *argument, gw_sim_options *optio
     case KEY_GAZE:
         options->gaze = GW_GAZE_AT_PIXEL;
         return gw_parse_numbers("--gaze", argument, 2, options->gaze_pixel, error);
+    case KEY_STILL:
+        code = gw_parse_numbers("--still", argument, 2, options->still, error);
+        if (!code && !(options->still[0] >= 0 && options->still[0] <= 100 && options->still[1] >= 0 &&
+                       options->still[1] <= 10))
+            code = gw_fail(error, GW_BAD_INPUT, "--still '%s' is out of range; it must be 0,0 to 100,10",
+                           argument);
+        return code;
     case KEY_BUDGET:
         return gw_parse_number("--budget", argument, 0.1, 60000, &options->budget_ms, error);
     case KEY_BUDGET_RAYS:
@@ -229,6 +242,7 @@ static error_t parse_sim(int key, char *argument, struct argp_state *state) {
     case KEY_MACHINES:
     case KEY_STEP:
     case KEY_GAZE:
+    case KEY_STILL:
     case KEY_BUDGET:
     case KEY_BUDGET_RAYS:
     case KEY_LOAD_DEADLINE:

@@ -38,7 +38,8 @@ typedef struct gw_sim_options {
     double step;             /* s between frames; negative: spread over the track */
     gw_gaze_choice gaze;
     double gaze_pixel[2];
-    double budget_ms, budget_rays;        /* of a frame; 0: none */
+    double budget_ms, budget_rays; /* of a frame; 0: none */
+    double still[2];               /* mm and degrees that count as standing still when samples add up */
     double load_deadline, frame_deadline; /* s; frame_deadline 0: from the frames measured so far */
     uint32_t builders;                    /* ranks that build the octree together; 0: one of every machine */
     gw_builder_fault fault;               /* hidden, for tests: what rank fault_rank pretends */

@@ -54,6 +54,11 @@ is "a start at the third sample" "$(hash_of middle)" "$(picture 3 "${view[@]}")"
 
 sim moving --tiles 1x1 --frames 3 --set accumulate=4
 is "a view that moves starts anew each frame" "$(cut -d, -f15,16 moving/frames.csv | tail -3 | tr '\n' ' ')" "1,1 2,1 3,1 "
+sim held --tiles 1x1 --frames 3 --step 0.01 --still 30,5 --set accumulate=4 --save-states held.json
+is "but not if it moves little and that counts as still" "$(cut -d, -f15,16 held/frames.csv | tail -3 | tr '\n' ' ')" "1,1 1,2 1,3 "
+sim held-again --tiles 2x1 --states held.json
+same_file "which its states repeat" held-again/wall-0002.png held/wall-0002.png
+expect "bounds of standing still" 2 "--still '200,1' is out of range" sim --still 200,1
 sim off --tiles 2x1 "${view[@]}" --frames 2
 is "without it a still gaze is a still picture" "$(hash_of off)" "$first"
 is "and nothing ran for it" "$(json off/report.json '["effects"]["run"].count("accumulation")')" 0

@@ -111,6 +111,41 @@ static void a_recording_gives_every_bit_back(void **state) {
     gw_states_finish(&back);
 }
 
+/* Trembling within the bounds is one view; drifting is a new one whenever the bounds are passed since its
+ * first sample; an eye or a gaze beyond them at once; and a gaze that comes or goes. */
+static void trembling_stands_still_and_drifting_does_not(void **state) {
+    (void)state;
+    gw_settings settings = defaults();
+    settings.accumulate = 200;
+    gw_frame_state s[2];
+    uint32_t epochs[5] = {0};
+    for (uint32_t kind = 0; kind < 5; kind++)
+        for (uint32_t frame = 0; frame < 100; frame++) {
+            gw_frame_state *now = &s[frame % 2], *before = frame ? &s[1 - frame % 2] : NULL;
+            const double tremble = frame % 2 ? 0.7 : -0.7;
+            const double eye[3] = {kind == 0                  ? tremble
+                                   : kind == 1                ? 0.1 * frame
+                                   : kind == 2 && frame >= 50 ? 5
+                                                              : 0,
+                                   0, 1800};
+            const double target[3] = {eye[0] + (kind == 3 ? 0.3 * frame : tremble), 20, 0};
+            gw_frame_begin(now, frame, &settings, 0, GW_DEBUG_NONE);
+            gw_frame_stare(now, eye, kind == 4 && frame >= 50 ? NULL : target, &settings);
+            gw_frame_hold(now, before, 2, 0.2);
+            gw_frame_accumulate(now, before, 0);
+            assert_true(fabs(now->eye[0] - eye[0]) <= 2);
+            epochs[kind] = now->epoch;
+        }
+    assert_int_equal(epochs[0], 1);
+    assert_int_equal(epochs[1], 5); /* 9.9 mm in bounds of 2 */
+    assert_int_equal(epochs[2], 2);
+    assert_true(epochs[3] >= 4 && epochs[3] <= 6); /* 29.7 mm at 1800, 0.95 degrees in bounds of 0.2 */
+    assert_int_equal(epochs[4], 2);
+    gw_frame_state held = s[1];
+    gw_frame_hold(&held, NULL, 2, 0.2);
+    assert_memory_equal(&held, &s[1], sizeof held);
+}
+
 static const char *write_text(char path[512], const char *text) {
     scratch_path(path, "broken-states.json");
     check_ok(gw_file_write(path, text, strlen(text), &error));
@@ -192,6 +227,7 @@ int main(void) {
         cmocka_unit_test(up_is_across_every_gaze),
         cmocka_unit_test(the_track_speaks),
         cmocka_unit_test(still_views_add_up),
+        cmocka_unit_test(trembling_stands_still_and_drifting_does_not),
         cmocka_unit_test(a_recording_gives_every_bit_back),
         cmocka_unit_test(broken_recordings_are_told_by_line),
     };

@@ -104,7 +104,7 @@ GW_STRUCT_END(gw_gpu_light)
 #define GW_STATUS_OUTSIDE 0x400u     // no pixel of the rectangle
 
 // A suspended ray's state (trace/state.glsl), in words; shading needs to know where its transmittance and group opacity are.
-#define GW_STATE_WORDS 15u
+#define GW_STATE_WORDS 16u
 #define GW_STATE_TRANSMITTANCE 8u
 // Visibilities of fragments are float bits, 0 to 1, or with GW_SERVED the place where another's stand.
 #define GW_SERVED 0x80000000u

@@ -72,6 +72,7 @@ void begin(Pixel_ray ray) {
     voxel_scale = 0;
     force_scale = NEVER_FORCED;
     child_share = 0.0;
+    outer_share = 0.0;
     voxel_given = 0.0;
     leaf_share = 1.0;
     leaf_again = false;

@@ -80,6 +80,7 @@ void begin(Shadow_ray ray, float tau) {
     voxel_scale = 0;
     force_scale = NEVER_FORCED;
     child_share = 0.0;
+    outer_share = 0.0;
     voxel_given = 0.0;
     leaf_share = 1.0;
     leaf_again = false;

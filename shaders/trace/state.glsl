@@ -25,6 +25,7 @@ void state_save(uint slot) {
     states[at + 11u] = floatBitsToUint(child_share);
     states[at + 12u] = floatBitsToUint(leaf_share);
     states[at + 14u] = floatBitsToUint(voxel_given);
+    states[at + 15u] = floatBitsToUint(outer_share);
 #endif
 #ifdef ALPHA
     states[at + 13u] = hit_flags;
@@ -55,6 +56,7 @@ void state_load(uint slot) {
     child_share = uintBitsToFloat(states[at + 11u]);
     leaf_share = uintBitsToFloat(states[at + 12u]);
     voxel_given = uintBitsToFloat(states[at + 14u]);
+    outer_share = uintBitsToFloat(states[at + 15u]);
 #endif
 #ifdef ALPHA
     hit_flags = states[at + 13u];

@@ -18,6 +18,7 @@ float lod_clear; // t up to which nothing but triangles is accepted
 #endif
 int voxel_scale;          // scale of the cell in voxel mode, 0: none
 float child_share;        // what its children count
+float outer_share;        // that of its parent's children if the parent is in voxel mode, too; else 0
 float voxel_given;        // what its own voxel added to the group's opacity
 float leaf_share;         // opacity of the triangles of the last leaf
 bool leaf_again;          // the leaf ahead has had its voxel composited: only its triangles count now
@@ -63,8 +64,9 @@ vec3 place_in_cell(float t, int s) {
     return place;
 }
 
-// Composites the voxel of the cell of scale s in which the ray stands.
-void emit_voxel(uint index, float share, int s, float leave) {
+// Composites the voxel of the cell of scale s in which the ray stands. child: of one that shows it by share. The result is the
+// opacity that the group gains.
+float emit_voxel(uint index, float share, bool child, int s, float leave) {
     uvec3 payload = PAYLOAD(index);
     vec3 normal = payload_normal(payload);
     normal = mix(normal, -normal, bvec3((mirror & 1u) != 0u, (mirror & 2u) != 0u, (mirror & 4u) != 0u));
@@ -73,7 +75,6 @@ void emit_voxel(uint index, float share, int s, float leave) {
     begin_group_if_apart(cell_entry);
     // What this cell's surface still owes: all that the cells before have not given. Its parent, of which it shows a share,
     // stands for the same place and does not count.
-    bool child = scale == voxel_scale;
     float before = group_opacity;
     precise float given = before - (child ? voxel_given : 0.0);
 #ifdef SLABS_ALONE
@@ -81,11 +82,11 @@ void emit_voxel(uint index, float share, int s, float leave) {
 #endif
     precise float opacity = share * max(voxel.opacity, voxel.owed - given);
     float weight = composite(opacity, voxel.sheet);
-    voxel_given = child ? voxel_given : group_opacity - before;
     group_end = max(group_end, leave);
     COUNT_VOXEL();
     if (weight > LEAST_WEIGHT)
         emit(index | GW_FRAGMENT_VOXEL, cell_entry, weight);
+    return group_opacity - before;
 }
 
 void forget_hit() {
@@ -117,7 +118,11 @@ void step_on(int s) {
 #ifdef SHADOW_RAYS
     in_root = in_root && cell_entry < ray_maximum;
 #endif
-    voxel_scale = scale > voxel_scale ? 0 : voxel_scale;
+    bool left = scale > voxel_scale;
+    bool still_in_outer = left && outer_share > 0.0 && scale == voxel_scale + 1;
+    voxel_scale = left ? (still_in_outer ? scale : 0) : voxel_scale;
+    child_share = still_in_outer ? outer_share : child_share;
+    outer_share = left ? 0.0 : outer_share;
     force_scale = NEVER_FORCED;
 }
 
@@ -210,17 +215,24 @@ void show_voxel() {
     float triangles = leaf && !child_of_voxel ? triangles_share(footprint, side) : 0.0;
     bool separated = (PAYLOAD(met_index).x & GW_PAYLOAD_SEPARATED) != 0u;
     precise float accepted = separated ? SEPARATED_TAU * footprint : footprint;
-    float children = leaf || child_of_voxel ? 0.0 : children_share(accepted, side);
-    float share = child_of_voxel ? child_share : 1.0 - max(triangles, children);
+    // A separated child whose parent is not: its own children come in by the share in which they will stand when the parent is
+    // walked into, or they would pop up then.
+    bool nested = child_of_voxel && !leaf && separated && outer_share == 0.0;
+    float children = leaf || (child_of_voxel && !nested) ? 0.0 : children_share(accepted, side);
+    float whole = child_of_voxel ? child_share : 1.0;
+    precise float share = whole * (1.0 - max(triangles, children));
     float leave = exit_of(child_scale);
-    if (share > 0.0)
-        emit_voxel(met_index, share, child_scale, leave);
-    if (triangles == 0.0 && hit_t <= leave)
+    float added = share > 0.0 ? emit_voxel(met_index, share, child_of_voxel, child_scale, leave) : 0.0;
+    voxel_given = (child_of_voxel ? voxel_given : 0.0) + (child_of_voxel && !nested ? 0.0 : added);
+    bool walk_in = children >= 1.0 && !child_of_voxel; // nothing of it is shown: its children are decided for themselves
+    if (triangles == 0.0 && !walk_in && hit_t <= leave)
         forget_hit(); // it is part of the voxel
     leaf_again = triangles > 0.0;
     if (children > 0.0) {
-        voxel_scale = child_scale;
-        child_share = children;
+        outer_share = nested ? child_share : 0.0;
+        voxel_scale = walk_in ? 0 : child_scale;
+        precise float part = whole * children;
+        child_share = part;
         scale = child_scale;
         node_word = node_word_of(met_index, met_node);
         stack_push(child_scale, node_word);

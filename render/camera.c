@@ -87,3 +87,17 @@ gw_code gw_perspective_of(const double eye[3], const double look_at[3], const do
     }
     return GW_OK;
 }
+
+gw_code gw_place_frame(const gw_scene *scene, const gw_frame_state *state, double wall_width,
+                       double wall_height, const double wall_centre[3], const double neutral_eye[3],
+                       gw_similarity *out, gw_error *error) {
+    gw_viewpoint view = {.name = "navigation", .up = {0, 1, 0}};
+    int navigated = 0;
+    for (int k = 0; k < 3; ++k) {
+        view.eye[k] = (double)state->stand[k];
+        view.look_at[k] = (double)state->look_at[k];
+        navigated |= state->stand[k] != state->look_at[k];
+    }
+    return navigated ? gw_place_viewpoint(scene, &view, neutral_eye, out, error)
+                     : gw_place_scene(scene, wall_width, wall_height, wall_centre, neutral_eye, out, error);
+}

@@ -5,6 +5,7 @@
 
 #include "base/status.h"
 #include "build/scene.h"
+#include "render/frame_state.h"
 #include "render/view.h"
 
 /* The path of a scene by name or number from 0. GW_BAD_INPUT when there is none, naming what there is. */
@@ -28,5 +29,11 @@ typedef struct gw_perspective {
  * GW_BAD_INPUT when eye and look_at are the same point. */
 gw_code gw_perspective_of(const double eye[3], const double look_at[3], const double up[3], double fov,
                           const uint32_t size[2], gw_perspective *out, gw_error *error);
+
+/* Where the scene stands for a frame: as the state's navigation says, or, where it has none, as
+ * gw_place_scene() does. */
+gw_code gw_place_frame(const gw_scene *scene, const gw_frame_state *state, double wall_width,
+                       double wall_height, const double wall_centre[3], const double neutral_eye[3],
+                       gw_similarity *out, gw_error *error);
 
 #endif

@@ -45,8 +45,11 @@ typedef struct gw_frame_state {
     /* How far tau, gaze_margin, acuity_slope and sample_block are strained to be faster: 1, as they stand, to
      * GW_MAXIMUM_STRAIN. See gw_frame_state_in_force(). */
     float strain;
+    /* Navigation: where in the scene the wall's neutral viewer stands and what the wall's middle shows, scene
+     * metres, up is y. Both the same (0): the scene stands as it is placed. */
+    float stand[3], look_at[3];
 } gw_frame_state;
-_Static_assert(offsetof(gw_frame_state, strain) + sizeof(float) == sizeof(gw_frame_state),
+_Static_assert(offsetof(gw_frame_state, look_at) + 3 * sizeof(float) == sizeof(gw_frame_state),
                "no holes, so that states can be compared as bytes");
 _Static_assert(sizeof(gw_frame_state) < 512, "the frame state travels in one small message");
 

@@ -43,13 +43,8 @@ static gw_code fit_behind_wall(const gw_scene *scene, double wall_width, double 
     return GW_OK;
 }
 
-static gw_code from_viewpoint(const gw_scene *scene, const double neutral_eye[3], gw_similarity *out,
-                              gw_error *error) {
-    if (scene->viewpoint_count == 0)
-        return gw_fail(error, GW_BAD_INPUT,
-                       "scene %s is placed by viewpoint but has none; add one or use fit: behind-wall",
-                       scene->path ? scene->path : "(unnamed)");
-    const gw_viewpoint *view = &scene->viewpoints[0];
+gw_code gw_place_viewpoint(const gw_scene *scene, const gw_viewpoint *view, const double neutral_eye[3],
+                           gw_similarity *out, gw_error *error) {
     double forward[3], right[3], up[3];
     for (int i = 0; i < 3; ++i)
         forward[i] = view->look_at[i] - view->eye[i];
@@ -67,10 +62,21 @@ static gw_code from_viewpoint(const gw_scene *scene, const double neutral_eye[3]
         out->rotation[1][j] = up[j];
         out->rotation[2][j] = -forward[j];
     }
-    out->scale = 1000.0 * (scene->placement.scale > 0.0 ? scene->placement.scale : 1.0);
+    const gw_placement *placement = &scene->placement;
+    out->scale =
+        placement->kind == GW_PLACE_VIEWPOINT && placement->scale > 0.0 ? 1000.0 * placement->scale : 1000.0;
     for (int i = 0; i < 3; ++i)
         out->translation[i] = neutral_eye[i] - out->scale * gw_dot(out->rotation[i], view->eye);
     return GW_OK;
+}
+
+static gw_code from_viewpoint(const gw_scene *scene, const double neutral_eye[3], gw_similarity *out,
+                              gw_error *error) {
+    if (scene->viewpoint_count == 0)
+        return gw_fail(error, GW_BAD_INPUT,
+                       "scene %s is placed by viewpoint but has none; add one or use fit: behind-wall",
+                       scene->path ? scene->path : "(unnamed)");
+    return gw_place_viewpoint(scene, &scene->viewpoints[0], neutral_eye, out, error);
 }
 
 static gw_code from_matrix(const gw_scene *scene, gw_similarity *out, gw_error *error) {

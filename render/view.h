@@ -34,6 +34,10 @@ typedef struct gw_similarity {
 gw_code gw_place_scene(const gw_scene *scene, double wall_width, double wall_height,
                        const double wall_centre[3], const double neutral_eye[3], gw_similarity *out,
                        gw_error *error);
+/* The neutral eye stands at the viewpoint and looks along it, at the scale of the scene's own placement by
+ * viewpoint, or true to scale. */
+gw_code gw_place_viewpoint(const gw_scene *scene, const gw_viewpoint *view, const double neutral_eye[3],
+                           gw_similarity *out, gw_error *error);
 void gw_scene_to_wall(const gw_similarity *placement, const double scene[3], double wall[3]);
 void gw_wall_to_scene(const gw_similarity *placement, const double wall[3], double scene[3]);
 /* Wall space to the octree's rebased space. */

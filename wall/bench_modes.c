@@ -161,19 +161,34 @@ static void conclude(gw_bench_modes *m) {
     }
 }
 
-/* The paper's one light: in the scene's box, near its top, a little off its middle; as bright half the box's
- * diagonal away as a sun. */
-static gw_code set_point_light(gw_scene *scene, gw_error *error) {
-    static const double place[3] = {0.25, 0.8, 0.35}; /* half the box's sides */
-    gw_light light = {.kind = GW_LIGHT_POINT};
+/* The paper's one light: above the middle of the camera path by a quarter of the scene's height, as bright as
+ * a sun where the path looks. */
+static void place_point_light(const gw_scene *scene, const gw_camera_path *path, gw_light *light) {
     double square = 0;
+    *light = (gw_light){.kind = GW_LIGHT_POINT};
     for (int k = 0; k < 3; k++) {
-        double half = 0.5 * (scene->bounds[1][k] - scene->bounds[0][k]);
-        light.vector[k] = scene->bounds[0][k] + half * (1 + place[k]);
-        square += half * half;
+        double size = scene->bounds[1][k] - scene->bounds[0][k];
+        light->vector[k] = scene->bounds[0][k] + 0.5 * size;
+        square += 0.25 * size * size;
     }
+    if (path) {
+        const double share = 0.5 / (double)path->key_count;
+        light->vector[0] = light->vector[1] = light->vector[2] = square = 0;
+        for (size_t i = 0; i < path->key_count; i++)
+            for (int k = 0; k < 3; k++)
+                light->vector[k] += share * (path->keys[i].eye[k] + path->keys[i].look_at[k]);
+        for (size_t i = 0; i < path->key_count; i++)
+            for (int k = 0; k < 3; k++)
+                square += 2 * share * pow(path->keys[i].look_at[k] - light->vector[k], 2);
+    }
+    light->vector[1] += 0.25 * (scene->bounds[1][1] - scene->bounds[0][1]);
     for (int k = 0; k < 3; k++)
-        light.color[k] = (float)(GW_PI * square);
+        light->color[k] = (float)(GW_PI * square);
+}
+
+static gw_code set_point_light(gw_scene *scene, const gw_camera_path *path, gw_error *error) {
+    gw_light light;
+    place_point_light(scene, path, &light);
     free(scene->lights);
     scene->lights = NULL;
     scene->light_count = 0;
@@ -199,7 +214,7 @@ static gw_code open_modes(drawing *d, gw_error *error) {
         m->outcomes[i].what = names[i].what;
     }
     if (!code && bench->point_light)
-        code = set_point_light(bench->model.scene, error);
+        code = set_point_light(bench->model.scene, m->path.path, error);
     if (!code)
         code = gw_image_create(m->path.size[0], m->path.size[1], &d->reference, error);
     if (!code)

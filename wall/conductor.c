@@ -4,6 +4,7 @@
 #include "base/file.h"
 #include "base/image.h"
 #include "base/memory.h"
+#include "render/camera.h"
 #include "wall/interrupt.h"
 #include "wall/picture.h"
 #include "wall/rank.h"
@@ -124,6 +125,28 @@ static char *make_text(const char *format, ...) {
     return length < 0 ? NULL : text;
 }
 
+/* The scene's path is needed longer than rank 0 has the scene. Without --step and a track's pace, frames are
+ * spread over what is left of it. */
+static gw_code take_path(gw_conductor *conductor, const struct gw_rank *rank, gw_error *error) {
+    const gw_camera_path *path = NULL;
+    const gw_sim_options *options = &rank->options;
+    if (!options->path)
+        return GW_OK;
+    gw_code code = gw_camera_path_find(rank->model.scene, options->path, &path, error);
+    if (!code)
+        code = gw_allocate((void **)&conductor->path.keys, path->key_count, sizeof *path->keys, "camera path",
+                           error);
+    if (code)
+        return code;
+    memcpy(conductor->path.keys, path->keys, path->key_count * sizeof *path->keys);
+    conductor->path.key_count = path->key_count;
+    double rest = path->keys[path->key_count - 1].time - options->draw.time;
+    if (options->step < 0)
+        conductor->step =
+            conductor->frame_count > 1 && rest > 0 ? (int64_t)(rest * 1e9 / (conductor->frame_count - 1)) : 0;
+    return GW_OK;
+}
+
 gw_code gw_conductor_describe(gw_conductor *conductor, const struct gw_rank *rank, gw_error *error) {
     const gw_model *model = &rank->model;
     const gw_scene *scene = model->scene;
@@ -132,6 +155,9 @@ gw_code gw_conductor_describe(gw_conductor *conductor, const struct gw_rank *ran
     conductor->scene_moves = scene->animation != NULL;
     if (rank->options.step < 0 && !conductor->track && scene->animation)
         conductor->step = 1000000000 / 30; /* nothing else tells the pace at which it plays */
+    gw_code code = take_path(conductor, rank, error);
+    if (code)
+        return code;
     gw_report_device(conductor->report, limits);
     gw_report_scene(conductor->report, scene, model->import_ms);
     gw_report_octree(conductor->report, octree, scene, limits, model->build_ms, model->from_cache);
@@ -152,6 +178,17 @@ gw_code gw_conductor_describe(gw_conductor *conductor, const struct gw_rank *ran
 /* --- a frame
  * ---------------------------------------------------------------------------------------------------- */
 
+static void navigate(const gw_conductor *conductor, gw_frame_state *state) {
+    double stand[3], look_at[3];
+    if (!conductor->path.keys)
+        return;
+    gw_camera_path_at(&conductor->path, (double)state->time * 1e-9, stand, look_at);
+    for (int k = 0; k < 3; k++) {
+        state->stand[k] = (float)stand[k];
+        state->look_at[k] = (float)look_at[k];
+    }
+}
+
 static void make_state(gw_conductor *conductor, const struct gw_rank *rank, uint32_t frame,
                        gw_frame_state *state) {
     const gw_draw_options *draw = &rank->options.draw;
@@ -168,6 +205,7 @@ static void make_state(gw_conductor *conductor, const struct gw_rank *rank, uint
                        rank->options.gaze == GW_GAZE_AT_PIXEL ? conductor->stare : NULL, &draw->settings);
         state->time = time;
     }
+    navigate(conductor, state);
     if (gw_budget_is_on(&conductor->budget))
         state->strain = gw_budget_strain(&conductor->budget);
     const gw_frame_state *before = frame ? &conductor->states[frame - 1] : NULL;

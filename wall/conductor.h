@@ -17,9 +17,10 @@ struct gw_rank;
 
 typedef struct gw_conductor {
     json_t *report;
-    gw_track *track;    /* NULL with recorded states, or a gaze from the command line */
-    gw_states recorded; /* of --states */
-    double stare[3];    /* mm, for --gaze */
+    gw_track *track;     /* NULL with recorded states, or a gaze from the command line */
+    gw_states recorded;  /* of --states */
+    double stare[3];     /* mm, for --gaze */
+    gw_camera_path path; /* of --path; keys owned; no keys: the scene stands as it is placed */
     uint32_t frame_count;
     int64_t first_time, step;             /* ns, of the track's clock */
     int scene_moves;                      /* it is animated, so every frame's time is a view of its own */

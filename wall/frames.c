@@ -211,6 +211,8 @@ static json_t *pack_state(const gw_frame_state *state) {
                                "time", (json_int_t)state->time, "eye", pack_doubles(state->eye, 3), "gazes",
                                gazes, "seed", (json_int_t)state->seed, "epoch", (json_int_t)state->epoch,
                                "accumulate", (int)state->accumulate);
+    json_object_set_new(object, "stand", pack_floats(state->stand, 3));
+    json_object_set_new(object, "look_at", pack_floats(state->look_at, 3));
     for (size_t i = 0; i < COUNT(float_fields); i++) {
         float value;
         memcpy(&value, (const char *)state + float_fields[i].offset, sizeof value);
@@ -352,7 +354,8 @@ static int take_state(const place *at, const json_t *object, gw_frame_state *sta
         !take_number(at, object, "epoch", 0, UINT32_MAX, &epoch) ||
         !take_number(at, object, "accumulate", 1, GW_MAXIMUM_ACCUMULATION, &accumulate) ||
         !take_point(at, object, "eye", state->eye) || !take_gazes(at, object, state) ||
-        !take_knobs(at, object, state))
+        !take_knobs(at, object, state) || !take_float_point(at, object, "stand", state->stand) ||
+        !take_float_point(at, object, "look_at", state->look_at))
         return 0;
     state->frame = (uint32_t)frame;
     state->seed = (uint32_t)seed;

@@ -3,6 +3,7 @@
 #include "base/clock.h"
 #include "base/image.h"
 #include "base/memory.h"
+#include "render/camera.h"
 #include "wall/conductor.h"
 #include "wall/interrupt.h"
 #include "wall/mpi_wait.h"
@@ -56,11 +57,16 @@ void gw_rank_draw(gw_rank *rank, const gw_release *release, gw_done *done) {
     memset(done, 0, sizeof *done);
     done->frame = release->state.frame;
     int64_t begin = gw_now_ns();
-    gw_code code = gw_renderer_frame(rank->renderer, &rank->placement, &tile->plane, &tile->rectangle,
-                                     &release->state, rank->pixels, &done->counters, &error);
+    const gw_layout *layout = &rank->layout;
+    gw_similarity placement;
+    gw_code code = gw_place_frame(&rank->share.scene.scene, &release->state, layout->size[0], layout->size[1],
+                                  layout->centre, layout->eye, &placement, &error);
+    if (!code)
+        code = gw_renderer_frame(rank->renderer, &placement, &tile->plane, &tile->rectangle, &release->state,
+                                 rank->pixels, &done->counters, &error);
     done->render_ns = gw_now_ns() - begin;
     if (!code && release->predict)
-        code = gw_predict_error(&rank->share.scene.scene, &rank->share.octree, &rank->placement, &tile->plane,
+        code = gw_predict_error(&rank->share.scene.scene, &rank->share.octree, &placement, &tile->plane,
                                 &tile->rectangle, &release->state, &done->predicted, &error);
     if (!code && rank->options.out)
         code = write_own_pictures(rank, release, &error);
@@ -139,8 +145,11 @@ static gw_code get_ready(gw_rank *rank, gw_conductor *conductor, gw_error *error
         return code;
     const gw_layout *layout = &rank->layout;
     const gw_share *shared = &rank->share;
-    code = gw_place_scene(&shared->scene.scene, layout->size[0], layout->size[1], layout->centre, layout->eye,
-                          &rank->placement, error);
+    gw_similarity placement;
+    /* A scene that cannot be placed is told now, not in the first frame. */
+    if (!rank->options.path && !rank->options.states)
+        code = gw_place_scene(&shared->scene.scene, layout->size[0], layout->size[1], layout->centre,
+                              layout->eye, &placement, error);
     if (code)
         return code;
     gw_renderer_options options = {.count = rank->options.draw.count,

@@ -23,7 +23,6 @@ typedef struct gw_rank {
     gw_share share;
     gw_together together; /* rank 0: who built the octree */
     gw_renderer *renderer;
-    gw_similarity placement;
     int number;            /* rank, and index of its tile */
     int size;              /* ranks */
     int64_t load_deadline; /* gw_now_ns clock */

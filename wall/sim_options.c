@@ -74,6 +74,7 @@ enum {
     KEY_WALL_WIDTH,
     KEY_BEZEL,
     KEY_TRACK,
+    KEY_PATH,
     KEY_STATES,
     KEY_SAVE_STATES,
     KEY_OUT,
@@ -111,6 +112,11 @@ static const struct argp_option sim_options[] = {
      2},
     {"gaze", KEY_GAZE, "X,Y", 0, "px of the wall: no track, the untracked viewer looks there", 2},
     {"no-gaze", KEY_NO_GAZE, NULL, 0, "no track, nobody's gaze is known: sharp everywhere", 2},
+    {"path", KEY_PATH, "NAME", 0,
+     "the scene moves past the wall along a camera path of it, by name or number from 0; without --step the "
+     "frames spread "
+     "over it",
+     2},
     {"frames", KEY_FRAMES, "N", 0, "1 to 1000000, default 1 (or all of --states)", 2},
     {"step", KEY_STEP, "SECONDS", 0,
      "0 to 3600 s from frame to frame; default: the frames spread over the track", 2},
@@ -259,6 +265,9 @@ static error_t parse_sim(int key, char *argument, struct argp_state *state) {
     case KEY_TRACK:
         options->track = argument;
         break;
+    case KEY_PATH:
+        options->path = argument;
+        break;
     case KEY_STATES:
         options->states = argument;
         break;
@@ -312,6 +321,8 @@ gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *he
         return gw_fail(
             error, GW_BAD_INPUT,
             "--states holds what a budget decided in every frame; leave out --budget and --budget-rays");
+    if (out->states && out->path)
+        return gw_fail(error, GW_BAD_INPUT, "--states holds where every frame stands; leave out --path");
     if (out->states && out->gaze != GW_GAZE_FROM_TRACK)
         return gw_fail(error, GW_BAD_INPUT,
                        "--states holds the gaze of every frame; leave out --gaze and --no-gaze");

@@ -31,6 +31,7 @@ typedef struct gw_sim_options {
     gw_draw_options draw; /* first: its parser is a child of this one's */
     gw_wall_options wall;
     const char *track;       /* NULL: the embedded demo track */
+    const char *path;        /* camera path of the scene, or NULL */
     const char *states;      /* recorded frame states to repeat, or NULL */
     const char *save_states; /* or NULL */
     const char *out;         /* folder for pictures and frames.csv, or NULL */

@@ -234,7 +234,9 @@ static gw_code path_view(const render_options *o, const gw_scene *scene, view *o
     return camera_view(o, eye, look_at, y_up, o->has_fov ? o->fov : path->fov, out, error);
 }
 
-static gw_code make_view(const render_options *o, const gw_scene *scene, view *out, gw_error *error) {
+/* recorded: of --states, else zeroed. */
+static gw_code make_view(const render_options *o, const gw_scene *scene, const gw_frame_state *recorded,
+                         view *out, gw_error *error) {
     const double y_up[3] = {0, 1, 0};
     if (o->has_eye)
         return camera_view(o, o->eye, o->look_at, y_up, o->fov, out, error);
@@ -250,7 +252,7 @@ static gw_code make_view(const render_options *o, const gw_scene *scene, view *o
     const gw_layout *layout = &out->layout;
     memcpy(out->eye, layout->eye, sizeof out->eye);
     out->plane = layout->tiles[0].plane;
-    return gw_place_scene(scene, layout->size[0], layout->size[1], layout->centre, layout->eye,
+    return gw_place_frame(scene, recorded, layout->size[0], layout->size[1], layout->centre, layout->eye,
                           &out->placement, error);
 }
 
@@ -314,7 +316,7 @@ static gw_code draw(render *r, gw_error *error) {
                                .force_features = r->options.draw.force_effects,
                                .forbid_features = r->options.draw.forbid_effects,
                                .log = &r->console.log};
-    gw_code code = make_view(&r->options, r->model.scene, &r->view, error);
+    gw_code code = make_view(&r->options, r->model.scene, &r->state, &r->view, error);
     if (!code && !r->options.states)
         code = make_state(&r->options, &r->view, &r->state, error);
     if (!code)

@@ -72,12 +72,35 @@ static void a_camera_looks_where_it_should(void **state) {
     check_fails(gw_perspective_of(eye, eye, up, 90, size, &view, &error), GW_BAD_INPUT, "no direction");
 }
 
+/* A wall that navigates shows what stands there, true to scale; without navigation the scene stands as it is
+ * placed. */
+static void a_frame_stands_where_its_state_says(void **state) {
+    const double centre[3] = {0, 0, 0}, neutral[3] = {10, 20, 1800};
+    gw_scene scene = {.bounds = {{-1, -1, -1}, {1, 1, 1}}};
+    gw_frame_state frame;
+    gw_similarity placed, navigated;
+    double wall[3];
+    (void)state;
+    memset(&frame, 0, sizeof frame);
+    check_ok(gw_place_scene(&scene, 2000, 1000, centre, neutral, &placed, &error));
+    check_ok(gw_place_frame(&scene, &frame, 2000, 1000, centre, neutral, &navigated, &error));
+    assert_memory_equal(&placed, &navigated, sizeof placed);
+    const double ahead[3] = {5, 2, 7};
+    for (int k = 0; k < 3; ++k)
+        frame.stand[k] = frame.look_at[k] = (float)ahead[k];
+    frame.stand[2] = 9; /* looks along -z, as the wall does */
+    check_ok(gw_place_frame(&scene, &frame, 2000, 1000, centre, neutral, &navigated, &error));
+    gw_scene_to_wall(&navigated, ahead, wall);
+    assert_true(fabs(wall[0] - 10) < 1e-9 && fabs(wall[1] - 20) < 1e-9 && fabs(wall[2] + 200) < 1e-9);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_path_goes_through_its_keys),
         cmocka_unit_test(speed_has_no_jumps),
         cmocka_unit_test(paths_are_found_by_name_and_number),
         cmocka_unit_test(a_camera_looks_where_it_should),
+        cmocka_unit_test(a_frame_stands_where_its_state_says),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

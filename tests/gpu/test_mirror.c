@@ -168,7 +168,7 @@ static void however_it_is_drawn_pixels_are_the_same(void **state) {
         gw_renderer_options options;
     } ways[] = {{"counted", {.count = 1}},
                 {"suspended", {.loop_budget = 32}},
-                {"all effects", {.force_features = ~(uint32_t)GW_FEATURE_ACCUMULATE}}};
+                {"all effects", {.force_features = UINT32_MAX}}};
     for (size_t w = 0; w < sizeof ways / sizeof ways[0]; ++w) {
         uint8_t *other = take(&stage, &camera, &ways[w].options, w == 1 ? &counters : NULL);
         if (memcmp(whole, other, PIXELS * 4))
@@ -191,6 +191,17 @@ static void however_it_is_drawn_pixels_are_the_same(void **state) {
                                 whole + ((size_t)(r->y + (int)y) * SIDE + (size_t)r->x) * 4,
                                 (size_t)r->width * 4);
     }
+    /* Samples of a still view, one by one and at once. */
+    gw_camera still = camera;
+    still.state.epoch = 1;
+    for (uint16_t n = 1; n <= 3; ++n) {
+        still.state.accumulate = n;
+        check_ok(gw_camera_picture(&still, renderer, part, NULL, &error));
+    }
+    uint8_t *at_once = take(&stage, &still, &ways[1].options, NULL);
+    assert_memory_equal(part, at_once, PIXELS * 4);
+    assert_memory_not_equal(part, whole, PIXELS * 4);
+    free(at_once);
     free(part);
     free(whole);
     gw_renderer_destroy(&renderer);

@@ -197,7 +197,8 @@ void walk() {
             // with the voxel for lying in its cell by rounding.
             bool before = hit_triangle != GW_NO_TRIANGLE && hit_t <= cell_entry * BESIDE;
             event = met ? (before ? EVENT_HIT : EVENT_VOXEL) : event;
-            event = !met && !leaf_again && hit_t <= cell_entry ? EVENT_HIT : event;
+            // A shadow ray that has passed its light has no hit, and ends.
+            event = !met && !leaf_again && hit_triangle != GW_NO_TRIANGLE && hit_t <= cell_entry ? EVENT_HIT : event;
         }
     }
     // A hit beyond the last cell's exit, by rounding.

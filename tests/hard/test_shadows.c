@@ -323,19 +323,52 @@ static double leak_of_box(double side, float tau, float shadow_tau, const char *
     return leak;
 }
 
-static void no_light_leaves_a_closed_box(void **state) {
+/* None where triangles are shown. Voxels at the box's edges hold walls of two directions: light from behind
+ * reaches them, and the coarser they are the more of the picture they cover. */
+static void little_light_leaves_a_closed_box(void **state) {
     (void)state;
     static const float taus[] = {0, 1, 2, 4};
+    static const double most[] = {0, 0.04, 0.06, 0.09};
+    double leaks[4];
     for (size_t i = 0; i < 4; ++i) {
-        assert_true(leak_of_box(1.0, taus[i], 1.0f, NULL) == 0.0);
-        assert_true(leak_of_box(0.97, taus[i], 0.25f, NULL) == 0.0);
+        leaks[i] = leak_of_box(1.0, taus[i], 1.0f, NULL);
+        double beside = leak_of_box(0.97, taus[i], 0.25f, NULL);
+        print_message("tau %g: %.4f and %.4f of the light leave the box\n", (double)taus[i], leaks[i],
+                      beside);
+        assert_true(leaks[i] <= most[i] && beside <= most[i]);
     }
     /* Triangles that are dropped because a voxel shows their place. */
     char folder[512];
     double naive = leak_of_box(
         1.0, 1.0f, 1.0f, gw_naive_shaders(folder, "dropping", "blend/opacity.glsl", "SHADOW_LEAF_BLEND"));
     print_message("hits dropped: %.4f of the light leaves the box\n", naive);
-    assert_true(naive > 0.001); /* the naive rule fails */
+    assert_true(naive > leaks[1] + 0.001); /* the naive rule fails */
+}
+
+/* Rays that reach a lamp in the open have met nothing, also where voxels may stand in between: a lamp lights
+ * as much with them as without. */
+static void a_lamp_is_reached_among_voxels(void **state) {
+    (void)state;
+    static const float taus[] = {0, 0.02f, 1};
+    const gw_light light = lamp(0.6, 0.7, 0.5);
+    double light_seen[3];
+    gw_stage stage;
+    gw_camera camera;
+    gw_mesh mesh = ball_and_plate();
+    open_lit(&stage, &mesh, &light, NULL, (const char *const[]){"octree_depth=8", NULL});
+    gw_camera_look(&camera, &stage, (const double[]){1.6, 1.4, 2.1}, (const double[]){0, 0.3, 0}, 50, SIDE);
+    for (size_t i = 0; i < 3; ++i) {
+        camera.state.tau_inside = taus[i];
+        uint8_t *rgba = take(&stage, &camera, 0, NULL);
+        light_seen[i] = gw_mean_linear(rgba, PIXELS);
+        free(rgba);
+    }
+    gw_stage_close(&stage);
+    print_message("mean of the picture at tau 0, 0.02, 1: %.4f %.4f %.4f\n", light_seen[0], light_seen[1],
+                  light_seen[2]);
+    assert_true(light_seen[0] > 0.02);
+    assert_true(fabs(light_seen[1] / light_seen[0] - 1) < 0.01);
+    assert_true(fabs(light_seen[2] / light_seen[0] - 1) < 0.1);
 }
 
 /* --- alpha --- */
@@ -414,7 +447,8 @@ int main(void) {
         cmocka_unit_test(shadows_end_where_double_precision_says),
         cmocka_unit_test(surfaces_cast_no_shadow_on_themselves),
         cmocka_unit_test(contacts_do_not_leak),
-        cmocka_unit_test(no_light_leaves_a_closed_box),
+        cmocka_unit_test(little_light_leaves_a_closed_box),
+        cmocka_unit_test(a_lamp_is_reached_among_voxels),
         cmocka_unit_test(leaves_cast_shadows_in_their_shape),
         cmocka_unit_test(voxels_cast_no_shadow_on_themselves),
     };

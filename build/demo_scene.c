@@ -14,7 +14,7 @@
 #include <string.h>
 
 /* (11, -13, -12) / sqrt(434): from the upper left, over the viewer's shoulder. */
-const demo_point demo_sun = {0.5280168968110512, -0.6240199689585151, -0.5760184328847832};
+const demo_point demo_sun = {0.30135918138635276, -0.2712232632477175, -0.9141228502052701};
 
 static const struct {
     const char *name;
@@ -32,7 +32,7 @@ static const struct {
     [DEMO_TRIM] = {"gilding", {0.86f, 0.53f, 0.18f}, 0.6f, 0.45f, {0, 0, 0}, 0, -1},
     [DEMO_WOOD] = {"wood", {1, 1, 1}, 0.0f, 0.7f, {0, 0, 0}, 0, DEMO_TEXTURE_WOOD},
     [DEMO_CARPET] = {"carpet", {0.8f, 0.8f, 0.8f}, 0.0f, 1.0f, {0, 0, 0}, 0, DEMO_TEXTURE_CARPET},
-    [DEMO_LANDSCAPE] = {"landscape", {1, 1, 1}, 0.0f, 1.0f, {0.12f, 0.13f, 0.14f}, 0, DEMO_TEXTURE_LANDSCAPE},
+    [DEMO_LANDSCAPE] = {"landscape", {1, 1, 1}, 0.0f, 1.0f, {0.2f, 0.22f, 0.26f}, 0, DEMO_TEXTURE_LANDSCAPE},
     [DEMO_STATUE] = {"gold", {1.0f, 0.57f, 0.17f}, 0.6f, 0.3f, {0, 0, 0}, 0, -1},
     [DEMO_PEDESTAL] = {"pedestal", {1, 1, 1}, 0.0f, 0.25f, {0, 0, 0}, 0, DEMO_TEXTURE_PEDESTAL},
     [DEMO_TERRACOTTA] = {"terracotta", {1, 1, 1}, 0.0f, 0.85f, {0, 0, 0}, 0, DEMO_TEXTURE_TERRACOTTA},
@@ -94,7 +94,7 @@ static gw_code make_lights_and_views(gw_scene *scene, gw_error *error) {
         (gw_viewpoint){"window", {0.0, 1.5, 0.0}, {0.0, 1.5, -10.0}, {0.0, 1.0, 0.0}, 35.0};
     scene->viewpoints[1] =
         (gw_viewpoint){"statue", {-0.3, 1.7, -3.4}, {-1.12, 1.65, -5.3}, {0.0, 1.0, 0.0}, 45.0};
-    const float ambient[3] = {0.72f, 0.82f, 1.05f}, background[3] = {0.62f, 0.75f, 0.93f};
+    const float ambient[3] = {0.95f, 1.0f, 1.15f}, background[3] = {0.62f, 0.75f, 0.93f};
     memcpy(scene->ambient, ambient, sizeof ambient);
     memcpy(scene->background, background, sizeof background);
     scene->placement = (gw_placement){.kind = GW_PLACE_VIEWPOINT, .scale = 1.0};

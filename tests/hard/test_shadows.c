@@ -373,8 +373,8 @@ static void a_lamp_is_reached_among_voxels(void **state) {
 
 /* --- alpha --- */
 
-/* A floor under a plate with a texture that is clear on the left and leaves `alpha` on the right; seen from
- * below the plate, lit from above. Means of the floor's left and right. */
+/* A floor under a plate whose texture is clear for x < 0 and has `alpha` beyond; seen from below the plate,
+ * lit from above. Mean light of the floor on both sides of x = 0. */
 static void under_texture(gw_alpha_mode mode, uint8_t alpha, float tau, double sides[2]) {
     gw_mesh mesh = {0};
     gw_mesh_add_grid(&mesh, (const double[]){-1, 0, -1}, (const double[]){2, 0, 0}, (const double[]){0, 0, 2},
@@ -432,9 +432,9 @@ static void leaves_cast_shadows_in_their_shape(void **state) {
         under_texture(GW_ALPHA_OPAQUE, 255, tau, opaque);
         under_texture(GW_ALPHA_MASK, 255, tau, masked);
         under_texture(GW_ALPHA_BLEND, 128, tau, blended);
-        print_message(
-            "light under a plate, left and right: opaque %.3f %.3f, masked %.3f %.3f, blended %.3f %.3f\n",
-            opaque[0], opaque[1], masked[0], masked[1], blended[0], blended[1]);
+        print_message("light under a plate, on its clear side and on the other: opaque %.3f %.3f, masked "
+                      "%.3f %.3f, blended %.3f %.3f\n",
+                      opaque[0], opaque[1], masked[0], masked[1], blended[0], blended[1]);
         /* What the surface has of diffuse and specular reflection, seen from above, is near 1. */
         assert_true(opaque[0] == 0.0 && opaque[1] == 0.0);
         assert_true(fabs(masked[0] - 1.0) < 0.1 && masked[1] == 0.0);

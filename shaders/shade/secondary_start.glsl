@@ -65,7 +65,9 @@ Secondary_origin secondary_origin(Secondary_start start, float accepted, float r
     bool voxel = start.own_side > 0.0;
     precise vec3 lifted = start.place + start.normal * reach;
     Secondary_origin from;
-    from.origin = voxel && rise > 0.0 ? lifted : offset_from_surface(start.place, start.normal);
+    // Also towards a light behind the voxel: the ray then goes back through all that the voxel shows, whole, so that the edge of
+    // a closed wall stays dark, and passes beside what is turned to the light.
+    from.origin = voxel ? lifted : offset_from_surface(start.place, start.normal);
     from.clear = !voxel && reach > 0.0 ? min(reach / max(rise, 1e-30), NEVER_CLEAR) : 0.0;
     return from;
 }

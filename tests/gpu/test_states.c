@@ -24,7 +24,7 @@ static float between(uint64_t *random, double low, double high) {
     return (float)(low + (high - low) * gw_test_random(random));
 }
 
-/* Glass, a mask that keeps and one that cuts, something that glows; two lights. */
+/* Glass, a mask that keeps and one that cuts, something that glows, a mirror; two lights. */
 static void furnish(gw_scene *scene) {
     static const gw_material materials[] = {
         {.base_color = {0.7f, 0.5f, 0.3f, 1}, .roughness = 1},
@@ -40,7 +40,8 @@ static void furnish(gw_scene *scene) {
         {.base_color = {0.1f, 0.1f, 0.1f, 1},
          .roughness = 0.4f,
          .metalness = 1,
-         .emissive = {0.4f, 0.3f, 0.1f}}};
+         .emissive = {0.4f, 0.3f, 0.1f}},
+        {.base_color = {0.9f, 0.9f, 0.9f, 1}, .roughness = 0, .metalness = 1}};
     enum { COUNT = sizeof materials / sizeof materials[0] };
     static const gw_light lights[] = {{GW_LIGHT_DIRECTIONAL, {0.4, -0.8, -0.5}, {2, 2, 1.5f}},
                                       {GW_LIGHT_POINT, {0.7, 0.9, 1.2}, {1, 1.5f, 2}}};
@@ -54,7 +55,7 @@ static void furnish(gw_scene *scene) {
         scene->materials[m].base_color_texture = -1;
     }
     for (uint32_t t = 0; t < scene->triangle_count; ++t)
-        scene->material_of[t] = t % 9 < 5 ? 0 : t % 9 - 4;
+        scene->material_of[t] = t % 10 < 5 ? 0 : t % 10 - 4;
     check_ok(gw_allocate(&memory, 2, sizeof *scene->lights, "lights", &error));
     scene->lights = memory;
     memcpy(scene->lights, lights, sizeof lights);
@@ -125,6 +126,10 @@ static gw_camera random_state(uint64_t *random) {
     camera.state.acuity_slope = between(random, 0, 0.2);
     camera.state.sample_block = (uint8_t)below(random, 4);
     camera.state.samples = (uint8_t)below(random, 3);
+    camera.state.coarse_samples = (uint8_t)below(random, 3);
+    camera.state.gaze_footprint = between(random, 0, 2);
+    camera.state.strain = below(random, 3) ? 1 : between(random, 1, 8);
+    camera.state.shadow_tau = between(random, 0, 2);
     camera.state.separated_tau = between(random, 0, 1);
     camera.state.voxel_flatness = between(random, 0.4, 1.2);
     camera.state.level_blend = camera.state.leaf_blend = below(random, 5) > 0;

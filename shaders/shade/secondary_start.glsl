@@ -11,6 +11,8 @@ struct Secondary_start {
     vec3 place, normal; // the triangle's own normal, on the side from which it is seen
     float own_side;     // of the voxel; 0 for triangles
     float agreement;    // of its normals
+    vec3 back;          // unit, to where the ray came from
+    float free;         // how far that way may be gone
 };
 
 #ifdef LOD
@@ -24,16 +26,18 @@ float side_of_node(uint node) {
 
 // id, t: of the fragment; origin, direction: of the ray that met it.
 Secondary_start secondary_start(uint id, float t, vec3 origin, vec3 direction) {
+    float size = length_precise(direction);
+    precise vec3 back = -direction / size;
 #ifdef LOD
     bool voxel = (id & GW_FRAGMENT_VOXEL) != 0u;
     uint node = voxel ? id & ~GW_FRAGMENT_VOXEL : 0u;
     Corner_weights corner = weights_at(voxel ? 0u : id, t, origin, direction);
     Surface surface = surface_of_voxel(node, t, origin, direction);
     return Secondary_start(voxel ? surface.position : corner.position, voxel ? surface.normal : corner.normal,
-                           voxel ? side_of_node(node) : 0.0, voxel ? surface.agreement : 1.0);
+                           voxel ? side_of_node(node) : 0.0, voxel ? surface.agreement : 1.0, back, 0.5 * t * size);
 #else
     Corner_weights corner = weights_at(id, t, origin, direction);
-    return Secondary_start(corner.position, corner.normal, 0.0, 1.0);
+    return Secondary_start(corner.position, corner.normal, 0.0, 1.0, back, 0.5 * t * size);
 #endif
 }
 
@@ -59,14 +63,16 @@ struct Secondary_origin {
     float clear; // t up to which only triangles count
 };
 
-// accepted: error at the start; rise: of the ray above the surface per unit of t.
-Secondary_origin secondary_origin(Secondary_start start, float accepted, float rise) {
+// accepted: error at the start; rise: of the ray above the surface per unit of t; way_out: unit, along which a voxel is left, and
+// how far that is free. A shadow's ray leaves along the way back to the eye, which is free; the normal need not be: at the edge
+// of a wall whose sides are not turned the same way it leads into it. A reflected ray leaves along itself. Where the way out is
+// low above the surface, twice the reach must do.
+Secondary_origin secondary_origin(Secondary_start start, float accepted, float rise, vec3 way_out, float free) {
     float reach = reach_of(start, accepted);
     bool voxel = start.own_side > 0.0;
-    precise vec3 lifted = start.place + start.normal * reach;
+    precise float way = min(reach / max(dot(way_out, start.normal), 0.5), free);
+    precise vec3 lifted = start.place + way_out * way;
     Secondary_origin from;
-    // Also towards a light behind the voxel: the ray then goes back through all that the voxel shows, whole, so that the edge of
-    // a closed wall stays dark, and passes beside what is turned to the light.
     from.origin = voxel ? lifted : offset_from_surface(start.place, start.normal);
     from.clear = !voxel && reach > 0.0 ? min(reach / max(rise, 1e-30), NEVER_CLEAR) : 0.0;
     return from;

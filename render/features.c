@@ -110,7 +110,7 @@ uint32_t gw_features_of_frame(const gw_frame_state *state, uint32_t viewers, uin
 }
 
 uint32_t gw_kernel_fragments(const gw_kernel_key *key) {
-    return key->features & GW_FEATURE_LOD ? GW_LOD_FRAGMENTS : 1;
+    return (key->features & GW_FEATURE_LOD) || key->until_coarse ? GW_LOD_FRAGMENTS : 1;
 }
 
 typedef struct define_text {
@@ -155,6 +155,8 @@ gw_code gw_kernel_defines(const gw_kernel_key *key, char *text, size_t size, gw_
         append(&out, "#define ANY_HIT 1\n");
     if (key->reflected)
         append(&out, "#define REFLECTED 1\n");
+    if (key->until_coarse)
+        append(&out, "#define UNTIL_COARSE 1\n");
     if (key->resume)
         append(&out, "#define RESUME 1\n");
     if (out.used >= out.size)

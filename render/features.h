@@ -63,6 +63,7 @@ typedef struct gw_kernel_key {
     uint32_t debug; /* gw_debug_view */
     int voxels_only, level_blend, leaf_blend, double_edges, count, resume, any_hit;
     int reflected;      /* its rays come from mirrors */
+    int until_coarse;   /* the first round of a frame with voxels: see renderer_batch.c */
     int voxel_emission; /* the octree knows what its voxels emit */
 } gw_kernel_key;
 

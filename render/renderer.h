@@ -43,6 +43,9 @@ typedef struct gw_renderer_options {
     /* Of the octree's build: an animated scene is rebuilt with them for each frame's time. NULL: it stays at
      * time 0, and so does a scene without animation, for which nothing is made. */
     const gw_settings *settings;
+    /* 1: where voxels may be met every ray is traced by the kernel that knows them, not only those that do
+     * meet one (slower, same pixels: for tests and benches). */
+    int one_kernel;
     uint32_t force_features; /* gw_feature bits to compile in although nothing calls for them: same pixels */
     /* gw_feature bits to leave out although something calls for them: other pixels. GW_BAD_INPUT for those
      * without which the octree cannot be read. */

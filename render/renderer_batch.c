@@ -2,12 +2,23 @@
  */
 #include "render/renderer_internal.h"
 
-/* Tracing knows nothing of what only shading needs, and the other way round, so that kernels are shared. */
+/* Tracing knows nothing of what only shading needs, and the other way round, so that kernels are shared.
+ *
+ * Where voxels may be met, the first round walks through triangles only and suspends rays at their first
+ * voxel; the others are done, and the large kernels see the compact queue of the rest. */
 gw_code gw_frame_kernels(gw_frame_job *job, int resume, gw_error *error) {
     const uint32_t walk_features = GW_FEATURE_WIDE_NODES | GW_FEATURE_DENSE_LEAVES;
     const uint32_t trace_features =
         GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_ALPHA | GW_FEATURE_SPARSE | walk_features;
     gw_kernel_key trace = job->key, shade = job->key;
+    if (!resume && (job->key.features & GW_FEATURE_LOD) && !job->key.voxels_only &&
+        !job->renderer->one_kernel) {
+        trace.features &= ~(uint32_t)GW_FEATURE_LOD;
+        trace.level_blend = trace.leaf_blend = 0;
+        trace.until_coarse = shade.until_coarse = 1;
+        shade.features &= ~(uint32_t)GW_FEATURE_LOD;
+        shade.voxel_emission = 0;
+    }
     trace.features &= trace_features;
     trace.texture_classes = 0;
     trace.voxel_emission = 0;

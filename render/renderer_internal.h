@@ -101,7 +101,7 @@ struct gw_renderer {
     gw_moving *moving;       /* NULL unless the scene moves */
     int64_t time;            /* ns, for which scene and octree stand */
     const gw_log *log;
-    int count;
+    int count, one_kernel;
     uint32_t loop_budget;
     uint32_t scene_features; /* but for the forbidden ones */
     uint32_t forced_features, forbidden_features;

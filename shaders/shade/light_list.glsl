@@ -4,7 +4,7 @@ uint light_count() {
     return frame.counts.y + frame.counts.z;
 }
 
-#ifdef LOD
+#if defined(LOD) || defined(UNTIL_COARSE)
 layout(location = 3) uniform uint kept_begin; // behind the visibilities of all fragments
 
 // With SHADOWS, GW_KEPT_WORDS for each ray and light: visibility of the last shadow ray of earlier rounds, or GW_NO_PLACE; t from

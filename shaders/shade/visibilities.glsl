@@ -9,7 +9,7 @@ float visibility_at(uint place) {
 
 #define VISIBILITY(fragment, light) visibility_at((fragment) * light_count() + (light))
 
-#ifdef LOD
+#if defined(LOD) || defined(UNTIL_COARSE)
 // The last ray may serve fragments of later rounds, which use its place for themselves.
 void keep_visibilities(uint slot) {
     for (uint light = 0u; light < light_count(); ++light) {

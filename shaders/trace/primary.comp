@@ -1,10 +1,12 @@
 // One ray per pixel of a chunk: octree traversal, what was met becomes fragments for shade/shade.comp.
-// With RESUME the rays of a queue, suspended by an earlier dispatch, go on.
+// With RESUME the rays of a queue, suspended by an earlier dispatch, go on. With UNTIL_COARSE rays are suspended before
+// their first voxel, to go on with LOD: most rays never need that kernel, and software GL pays for all that is in one.
 //
 // variants: OCTREE_DEPTH=11; OCTREE_DEPTH=11 LOD=1 GAZE=1 LEVEL_BLEND=1 LEAF_BLEND=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=15 ALPHA=1 COUNT=1 WIDE_NODES=1 DOUBLE_EDGES=1 RESUME=1
-// variants: OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 REFLECTED=1 RESUME=1; OCTREE_DEPTH=11 REFLECTED=1 LOD=1 LEVEL_BLEND=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 FRAGMENTS=8u; OCTREE_DEPTH=11 UNTIL_COARSE=1 GAZE=1
+// variants: OCTREE_DEPTH=11 UNTIL_COARSE=1 REFLECTED=1 DENSE_LEAVES=1 ALPHA=1 COUNT=1
 // variants: OCTREE_DEPTH=11 DENSE_LEAVES=1 COUNT=1; OCTREE_DEPTH=11 DENSE_LEAVES=1 LOD=1 RESUME=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=9 LOD=1 ALPHA=1 COUNT=1 RESUME=1 VOXELS_ONLY=1 FRAGMENTS=8u
 #ifndef OCTREE_DEPTH
@@ -56,12 +58,12 @@ void begin(Pixel_ray ray) {
 #ifdef ALPHA
     hit_flags = 0u;
 #endif
-#if defined(LOD) || defined(ALPHA)
+#ifdef OPACITY_STATE
     transmittance = 1.0;
     group_opacity = 0.0;
     group_end = -1.0;
 #endif
-#ifdef LOD
+#ifdef LOD_STATE
     precise float slope = ray.tau * ray.width * GRID_HALF;
     lod_slope = slope;
 #ifdef REFLECTED
@@ -69,8 +71,13 @@ void begin(Pixel_ray ray) {
     lod_start = at_start;
     lod_clear = ray.clear;
 #endif
+#endif
+#ifdef UNTIL_COARSE
+    coarse_ahead = false;
+#endif
+#ifdef LOD
     voxel_scale = 0;
-    force_scale = NEVER_FORCED;
+    leave_ahead = false;
     child_share = 0.0;
     outer_share = 0.0;
     voxel_given = 0.0;
@@ -86,7 +93,7 @@ void begin(Pixel_ray ray) {
 uint emit_nearest() {
     if (hit_triangle == GW_NO_TRIANGLE)
         return 0u;
-    uint at = ray_slot * GW_FRAGMENT_WORDS;
+    uint at = ray_slot * FRAGMENTS * GW_FRAGMENT_WORDS;
     fragments[at] = hit_triangle & ~GW_HIT_BACK;
     fragments[at + 1u] = floatBitsToUint(hit_t);
     fragments[at + 2u] = floatBitsToUint(1.0);
@@ -100,6 +107,8 @@ uint emit_nearest() {
         hit_triangle = GW_NO_TRIANGLE;
         cell = leaf_cell;
         cell_entry = leaf_entry;
+        scale = leaf_parent_scale;
+        in_root = true;
         return status | GW_STATUS_PROVISIONAL | GW_STATUS_SUSPENDED;
     }
     fragments[at + 2u] = floatBitsToUint(composite(1.0, 1.0));
@@ -149,6 +158,12 @@ void main() {
 #else
     bool cut = walking && iterations < LOOP_BUDGET; // the driver ended a loop
     walking = walking && !cut;
+#ifdef UNTIL_COARSE
+    // Where the other kernel expects the parent's scale, the walk has gone down to the cell's own.
+    leaf_again = walking && list_cursor != 0u;
+    scale += leaf_again || coarse_ahead ? 1 : 0;
+    walking = walking || coarse_ahead;
+#endif
     status = walking ? GW_STATUS_SUSPENDED : emit_nearest();
 #ifdef ALPHA
     float left = remaining();

@@ -78,7 +78,7 @@ void begin(Shadow_ray ray, float tau) {
     group_opacity = 0.0;
     group_end = -1.0;
     voxel_scale = 0;
-    force_scale = NEVER_FORCED;
+    leave_ahead = false;
     child_share = 0.0;
     outer_share = 0.0;
     voxel_given = 0.0;

@@ -1,12 +1,19 @@
 // A suspended ray: all that is needed to go on in another dispatch as if nothing had happened. The stack is not kept: the
-// walk restarts at the root, towards the kept cell, and decides nothing again that was decided above it.
+// walk starts at the root again, towards the kept cell.
 layout(std430, binding = 2) buffer States { uint states[]; };
+#if defined(LOD) || defined(UNTIL_COARSE)
+#define LOD_STATE
+#endif
+#if defined(LOD_STATE) || defined(ALPHA)
+#define OPACITY_STATE
+#endif
 
 void state_save(uint slot) {
     uint at = slot * GW_STATE_WORDS;
     uint modes = uint(cell.z);
-#ifdef LOD
-    modes |= (uint(scale) << 16) | (uint(voxel_scale) << 21) | (uint(leaf_again) << 26) | (uint(in_root) << 27);
+#ifdef LOD_STATE
+    modes |= (uint(scale) << 16) | (uint(voxel_scale) << 21) | (uint(leaf_again) << 26) | (uint(in_root) << 27) |
+             (uint(leave_ahead) << 28);
 #endif
     states[at] = uint(cell.x) | (uint(cell.y) << 16);
     states[at + 1u] = modes;
@@ -16,12 +23,12 @@ void state_save(uint slot) {
     states[at + 5u] = list_cursor;
     states[at + 6u] = floatBitsToUint(floor_t);
     states[at + 7u] = floor_triangle;
-#if defined(LOD) || defined(ALPHA)
+#ifdef OPACITY_STATE
     states[at + GW_STATE_TRANSMITTANCE] = floatBitsToUint(transmittance);
     states[at + GW_STATE_TRANSMITTANCE + 1u] = floatBitsToUint(group_opacity);
     states[at + GW_STATE_TRANSMITTANCE + 2u] = floatBitsToUint(group_end);
 #endif
-#ifdef LOD
+#ifdef LOD_STATE
     states[at + 11u] = floatBitsToUint(child_share);
     states[at + 12u] = floatBitsToUint(leaf_share);
     states[at + 14u] = floatBitsToUint(voxel_given);
@@ -31,6 +38,24 @@ void state_save(uint slot) {
     states[at + 13u] = hit_flags;
 #endif
 }
+
+#ifdef LOD
+// Down from the root to the cell of that scale in which the ray stood: what was decided above it is not decided again.
+void descend_to(int target) {
+    bool valid = true;
+    while (scale > target && valid) {
+        ++iterations;
+        COUNT_STEP();
+        COUNT_NODE(true);
+        int child_scale = scale - 1;
+        uint index = child_at(node_word, octant_at(child_scale), valid);
+        uvec2 node = NODE(index);
+        scale = child_scale;
+        node_word = node_word_of(index, node);
+        stack_push(child_scale, node_word);
+    }
+}
+#endif
 
 // After enter_root.
 void state_load(uint slot) {
@@ -43,16 +68,16 @@ void state_load(uint slot) {
     list_cursor = states[at + 5u];
     floor_t = uintBitsToFloat(states[at + 6u]);
     floor_triangle = states[at + 7u];
-#if defined(LOD) || defined(ALPHA)
+#ifdef OPACITY_STATE
     transmittance = uintBitsToFloat(states[at + GW_STATE_TRANSMITTANCE]);
     group_opacity = uintBitsToFloat(states[at + GW_STATE_TRANSMITTANCE + 1u]);
     group_end = uintBitsToFloat(states[at + GW_STATE_TRANSMITTANCE + 2u]);
 #endif
 #ifdef LOD
-    force_scale = int((modes >> 16) & 31u);
     voxel_scale = int((modes >> 21) & 31u);
     leaf_again = ((modes >> 26) & 1u) != 0u;
     in_root = ((modes >> 27) & 1u) != 0u;
+    leave_ahead = ((modes >> 28) & 1u) != 0u;
     child_share = uintBitsToFloat(states[at + 11u]);
     leaf_share = uintBitsToFloat(states[at + 12u]);
     voxel_given = uintBitsToFloat(states[at + 14u]);
@@ -60,5 +85,8 @@ void state_load(uint slot) {
 #endif
 #ifdef ALPHA
     hit_flags = states[at + 13u];
+#endif
+#ifdef LOD
+    descend_to(int((modes >> 16) & 31u));
 #endif
 }

@@ -3,25 +3,40 @@
 // for lying outside its cell, since that is how hits at cell borders get lost.
 // With ANY_HIT, defined before trace/walk.glsl, any hit between floor_t and the first hit_t will do, as for shadows: the
 // walk ends with the first triangle met. One that masks or blends (ALPHA) is left to be asked, nearest first.
+// With UNTIL_COARSE the walk also ends before the first cell that stands for its contents at the ray's footprint: the ray's
+// state then is one of trace/traverse_lod.glsl, which goes on with it and meets what it would have met alone.
 // Needs trace/walk.glsl before it.
 
 bool walking; // false: the nearest hit is known
 #ifdef ALPHA
 ivec3 leaf_cell; // the cell before the last step: where the search goes on if the hit turns out to be transparent
 float leaf_entry;
+int leaf_parent_scale;
+#endif
+#ifdef UNTIL_COARSE
+bool coarse_ahead;
+// The rest of the state that the other kernel goes on from.
+const int voxel_scale = 0;
+const float child_share = 0.0;
+const float outer_share = 0.0;
+const float voxel_given = 0.0;
+const float leaf_share = 1.0;
+const bool leave_ahead = false;
+bool leaf_again;
 #endif
 
 void step_on(int s) {
 #ifdef ALPHA
     leaf_cell = cell;
     leaf_entry = cell_entry;
+    leaf_parent_scale = s + 1;
 #endif
     advance(s);
     walking = in_root && hit_t > cell_entry && !hit_suffices();
 }
 
-// One step: down into the child in which the ray stands, or on, out of an empty one. True at a leaf, whose cell has the
-// scale `scale` then. Kernels that read nodes of another form (bench/) bring their own.
+// One step: down into the child in which the ray stands, or on, out of an empty one. True at a leaf or a coarse cell, which
+// has the scale `scale` then. Kernels that read nodes of another form (bench/) bring their own.
 #ifdef GW_NODE_FORM_DEFINED
 bool take_step(out uvec2 leaf);
 #else
@@ -35,6 +50,10 @@ bool take_step(out uvec2 leaf) {
         uvec2 node = NODE(index);
         scale = child_scale;
         found = GW_NODE_KIND(node.y) != GW_KIND_INNER;
+#ifdef UNTIL_COARSE
+        coarse_ahead = accepted_error() >= 0.5 * float(1 << child_scale);
+        found = found || coarse_ahead;
+#endif
         leaf = node;
         if (!found) {
             node_word = node_word_of(index, node);
@@ -72,6 +91,11 @@ void walk() {
         }
 #ifdef DENSE_LEAVES
         dense_ahead = found && GW_NODE_KIND(leaf_ahead.y) == GW_LEAF_DENSE;
+#endif
+#ifdef UNTIL_COARSE
+        walking = walking && !coarse_ahead;
+        dense_ahead = dense_ahead && !coarse_ahead;
+        found = found && !coarse_ahead;
 #endif
         if (found && !dense_ahead) {
             test_leaf(leaf_ahead);

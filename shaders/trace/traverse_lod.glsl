@@ -11,43 +11,28 @@
 // Needs trace/walk.glsl, blend/opacity.glsl and common/payload.glsl before it.
 
 bool walking;
-float lod_slope;          // grid units of accepted error per unit of t
-#ifdef WIDE_RAYS
-float lod_start; // and at t = 0
-float lod_clear; // t up to which nothing but triangles is accepted
-#endif
 int voxel_scale;          // scale of the cell in voxel mode, 0: none
 float child_share;        // what its children count
 float outer_share;        // that of its parent's children if the parent is in voxel mode, too; else 0
 float voxel_given;        // what its own voxel added to the group's opacity
 float leaf_share;         // opacity of the triangles of the last leaf
 bool leaf_again;          // the leaf ahead has had its voxel composited: only its triangles count now
-int force_scale;          // when resuming: cells of this scale and above were already found to be walked into
+bool leave_ahead;         // the cell ahead is done with: the next step goes on past it
 float ray_maximum;
 uint fragment_count;
 bool provisional; // the last fragment awaits its alpha
 
-#define NEVER_FORCED 99
-
-// At the entry of the ray's cell, in grid units.
-float accepted_error() {
-#ifdef WIDE_RAYS
-    precise float accepted = lod_start + lod_slope * cell_entry;
-    return cell_entry < lod_clear ? 0.0 : max(accepted, 0.0);
-#else
-    return lod_slope * cell_entry;
-#endif
-}
-
-// An iteration of the outer loop emits one fragment at most.
-bool fragments_full() {
-    return fragment_count >= FRAGMENTS;
-}
-
 #ifdef SHADOW_RAYS
+bool fragments_full() {
+    return false;
+}
 void emit(uint id, float t, float weight) {
 }
 #else
+// An iteration of the outer loop emits a voxel and a triangle at most.
+bool fragments_full() {
+    return fragment_count + 2u > FRAGMENTS;
+}
 void emit(uint id, float t, float weight) {
     uint at = (ray_slot * FRAGMENTS + fragment_count) * GW_FRAGMENT_WORDS;
     fragments[at] = id;
@@ -113,29 +98,10 @@ void emit_hit() {
     forget_hit();
 }
 
-void step_on(int s) {
-    advance(s);
-#ifdef SHADOW_RAYS
-    in_root = in_root && cell_entry < ray_maximum;
-#endif
-    bool left = scale > voxel_scale;
-    bool still_in_outer = left && outer_share > 0.0 && scale == voxel_scale + 1;
-    voxel_scale = left ? (still_in_outer ? scale : 0) : voxel_scale;
-    child_share = still_in_outer ? outer_share : child_share;
-    outer_share = left ? 0.0 : outer_share;
-    force_scale = NEVER_FORCED;
-}
-
-// What the walk stops at.
-#define EVENT_NONE 0u  // left the root, or the budget is used up
-#define EVENT_VOXEL 1u // a cell that is wholly or partly shown as a voxel
-#define EVENT_HIT 2u   // the nearest hit lies in the cell ahead or before it
-#define EVENT_DENSE 3u // a dense leaf, whose triangles are to be tested
-uint event;
-uvec2 met_node; // the voxel's
+uvec2 met_node; // of the cell in which the walk has stopped
 uint met_index;
 
-// Descends and advances to the next occupied cell that is not walked into, or until the nearest hit is due.
+// Leaves, descends and advances to the next occupied cell that is not walked into, or until the nearest hit is due.
 bool find_cell() {
     bool met = false;
     while (in_root && !met && (hit_t > cell_entry || leaf_again) && iterations < LOOP_BUDGET) {
@@ -144,10 +110,11 @@ bool find_cell() {
         int child_scale = scale - 1;
         bool valid;
         met_index = child_at(node_word, octant_at(child_scale), valid);
+        valid = valid && !leave_ahead;
         COUNT_NODE(valid);
         if (valid) {
             met_node = NODE(met_index);
-            bool coarse = accepted_error() >= 0.5 * float(1 << child_scale) && child_scale < force_scale;
+            bool coarse = accepted_error() >= 0.5 * float(1 << child_scale);
             met = coarse || scale == voxel_scale || GW_NODE_KIND(met_node.y) != GW_KIND_INNER;
             if (!met) {
                 scale = child_scale;
@@ -155,54 +122,19 @@ bool find_cell() {
                 stack_push(child_scale, node_word);
             }
         } else {
-            step_on(child_scale);
+            advance(child_scale);
+#ifdef SHADOW_RAYS
+            in_root = in_root && cell_entry < ray_maximum;
+#endif
+            bool left = scale > voxel_scale;
+            bool still_in_outer = left && outer_share > 0.0 && scale == voxel_scale + 1;
+            voxel_scale = left ? (still_in_outer ? scale : 0) : voxel_scale;
+            child_share = still_in_outer ? outer_share : child_share;
+            outer_share = left ? 0.0 : outer_share;
+            leave_ahead = false;
         }
     }
     return met;
-}
-
-// After the test of the leaf's triangles: leaves the cell unless a hit in it is confirmed or the list is unfinished.
-void leave_leaf() {
-    int leaf_scale = scale - 1;
-    list_cursor = list_ended ? 0u : list_cursor;
-    bool confirmed = list_ended && hit_triangle != GW_NO_TRIANGLE && (hit_suffices() || hit_t <= exit_of(leaf_scale));
-    event = confirmed ? EVENT_HIT : event;
-    leaf_again = confirmed || !list_ended;
-    if (!leaf_again)
-        step_on(leaf_scale);
-}
-
-// Walks through cells that show triangles only, until something is to be composited.
-void walk() {
-    event = EVENT_NONE;
-    while (event == EVENT_NONE && in_root && iterations < LOOP_BUDGET) {
-        ++iterations;
-        bool met = find_cell();
-        bool leaf = GW_NODE_KIND(met_node.y) != GW_KIND_INNER && scale != voxel_scale;
-        float share = leaf ? triangles_share(accepted_error(), float(1 << (scale - 1))) : 0.0;
-        if (met && (leaf_again || share == 1.0)) {
-            leaf_share = share;
-#ifdef DENSE_LEAVES
-            bool dense = GW_NODE_KIND(met_node.y) == GW_LEAF_DENSE;
-#else
-            const bool dense = false;
-#endif
-            event = dense ? EVENT_DENSE : event;
-            if (!dense) {
-                test_leaf(met_node);
-                leave_leaf();
-            }
-        } else {
-            // A wall in the face between a leaf and a voxel: the voxel holds nothing of it, and its hit must not be dropped
-            // with the voxel for lying in its cell by rounding.
-            bool before = hit_triangle != GW_NO_TRIANGLE && hit_t <= cell_entry * BESIDE;
-            event = met ? (before ? EVENT_HIT : EVENT_VOXEL) : event;
-            // A shadow ray that has passed its light has no hit, and ends.
-            event = !met && !leaf_again && hit_triangle != GW_NO_TRIANGLE && hit_t <= cell_entry ? EVENT_HIT : event;
-        }
-    }
-    // A hit beyond the last cell's exit, by rounding.
-    event = !in_root && hit_triangle != GW_NO_TRIANGLE ? EVENT_HIT : event;
 }
 
 // Composites the voxel of the met cell with its share, then walks into the cell (voxel mode), stays for the triangles of
@@ -229,6 +161,7 @@ void show_voxel() {
     if (triangles == 0.0 && !walk_in && hit_t <= leave)
         forget_hit(); // it is part of the voxel
     leaf_again = triangles > 0.0;
+    leave_ahead = !leaf_again && children == 0.0;
     if (children > 0.0) {
         outer_share = nested ? child_share : 0.0;
         voxel_scale = walk_in ? 0 : child_scale;
@@ -237,9 +170,23 @@ void show_voxel() {
         scale = child_scale;
         node_word = node_word_of(met_index, met_node);
         stack_push(child_scale, node_word);
-    } else if (!leaf_again) {
-        step_on(child_scale);
     }
+}
+
+// Tests the triangles of the met leaf and leaves it, unless a hit in it is confirmed or the list is unfinished. Returns
+// whether a hit is confirmed.
+bool test_met_leaf() {
+#ifdef DENSE_LEAVES
+    if (GW_NODE_KIND(met_node.y) == GW_LEAF_DENSE)
+        test_boxes(met_node);
+    else
+#endif
+        test_leaf(met_node);
+    list_cursor = list_ended ? 0u : list_cursor;
+    bool confirmed = list_ended && hit_triangle != GW_NO_TRIANGLE && (hit_suffices() || hit_t <= exit_of(scale - 1));
+    leaf_again = confirmed || !list_ended;
+    leave_ahead = !leaf_again;
+    return confirmed;
 }
 
 void traverse() {
@@ -247,17 +194,23 @@ void traverse() {
     provisional = false;
     while (walking && !suspend) {
         ++iterations;
-        walk();
-        if (event == EVENT_VOXEL)
+        bool met = find_cell();
+        // Due before the next cell; or beyond the last one's exit, by rounding.
+        bool hit_due = !met && !leaf_again && hit_triangle != GW_NO_TRIANGLE && (hit_t <= cell_entry || !in_root);
+        bool triangles = GW_NODE_KIND(met_node.y) != GW_KIND_INNER && scale != voxel_scale;
+        float share = triangles ? triangles_share(accepted_error(), float(1 << (scale - 1))) : 0.0;
+        bool voxel = met && !leaf_again && share < 1.0;
+        // A wall in the face between a leaf and a voxel: the voxel holds nothing of it, and its hit must not be dropped with
+        // the voxel for lying in its cell by rounding.
+        bool before = voxel && hit_triangle != GW_NO_TRIANGLE && hit_t <= cell_entry * BESIDE;
+        hit_due = hit_due || before;
+        if (voxel && !before)
             show_voxel();
-#ifdef DENSE_LEAVES
-        if (event == EVENT_DENSE) {
-            test_boxes(met_node);
-            event = EVENT_NONE;
-            leave_leaf();
+        if (met && !before && share > 0.0 && remaining() >= OPAQUE_REMAINDER) {
+            leaf_share = share;
+            hit_due = test_met_leaf();
         }
-#endif
-        if (event == EVENT_HIT)
+        if (hit_due)
             emit_hit();
         walking = (in_root || hit_triangle != GW_NO_TRIANGLE) && remaining() >= OPAQUE_REMAINDER;
         suspend = walking && (provisional || fragments_full() || iterations >= LOOP_BUDGET);

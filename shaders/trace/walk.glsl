@@ -2,5 +2,6 @@
 // resolved once, wherever it stands first.
 #include "trace/triangle.glsl"
 #include "trace/grid.glsl"
+#include "trace/accepted_error.glsl"
 #include "trace/budget.glsl"
 #include "trace/list.glsl"

@@ -186,6 +186,18 @@ static void suspending_rays_changes_no_pixel(void **state) {
     assert_int_equal(counters.step_cap_hits, 0);
 }
 
+/* Rays that meet no voxel end in the kernel that knows none; the others go on in the one that does. */
+static void two_kernels_draw_what_one_draws(void **state) {
+    (void)state;
+    gw_counters one = {0}, two = {0};
+    other_renderer(&(gw_renderer_options){.one_kernel = 1, .loop_budget = 400}, "one kernel", &one);
+    free(picture(&exact, renderer, &two));
+    assert_int_equal(two.resumed, 0);
+    free(picture(&mixed, renderer, &two));
+    print_message("%d rays, %llu resumed\n", PIXELS, (unsigned long long)two.resumed);
+    assert_true(two.resumed > PIXELS / 10);
+}
+
 static void double_edges_only_touch_exact_edges(void **state) {
     (void)state;
     gw_camera precise = exact;
@@ -389,6 +401,7 @@ int main(void) {
         cmocka_unit_test(forcing_effects_changes_no_pixel),
         cmocka_unit_test(counting_changes_no_pixel_and_counts),
         cmocka_unit_test(suspending_rays_changes_no_pixel),
+        cmocka_unit_test(two_kernels_draw_what_one_draws),
         cmocka_unit_test(double_edges_only_touch_exact_edges),
         cmocka_unit_test(what_is_no_number_is_refused_or_left_out),
         cmocka_unit_test(the_report_tells_what_ran_and_why_not),

@@ -199,10 +199,10 @@ static void close_scene(aliasing *a) {
     gw_image_finish(&a->picture);
 }
 
+/* Error is that of the light: FLIP counts blur beside it, and is told. */
 static int is_met(const aliasing *a) {
     const outcome *triangles = &a->outcomes[WAY_TRIANGLES], *hybrid = &a->outcomes[WAY_HYBRID];
-    return hybrid->rms < triangles->rms && hybrid->flip < triangles->flip &&
-           hybrid->flickers.mean < triangles->flickers.mean;
+    return hybrid->rms < triangles->rms && hybrid->flickers.mean < triangles->flickers.mean;
 }
 
 static void print_scene(const aliasing *a) {
@@ -217,7 +217,11 @@ static void print_scene(const aliasing *a) {
         printf("  %-10s  %4.0f%%    %.4f  %.4f     %.4f   %.4f  %.4f\n", way_names[i], 100 * o->voxel_share,
                o->rms, o->flip, o->flickers.mean, o->flickers.percentile, o->flickers.pop);
     }
-    printf("  hybrid below triangles only in error and flicker: %s\n", is_met(a) ? "met" : "not met");
+    const outcome *triangles = &a->outcomes[WAY_TRIANGLES], *hybrid = &a->outcomes[WAY_HYBRID];
+    printf("  hybrid below triangles only in error and flicker: %s (RMS %.2f, FLIP %.2f, flicker %.2f of "
+           "theirs)\n",
+           is_met(a) ? "met" : "not met", hybrid->rms / triangles->rms, hybrid->flip / triangles->flip,
+           hybrid->flickers.mean / triangles->flickers.mean);
 }
 
 static json_t *scene_json(const aliasing *a, FILE *csv) {

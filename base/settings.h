@@ -71,6 +71,14 @@
            "1 (a ray per pixel)", "largest square of pixels that shares one ray where the viewer cannot tell")          \
     GW_ROW(coarse_samples, CHOICE, 0, 0, 3, "1|2|4|8", FRAME, "rays", "aliasing in the periphery against rays", "8",     \
            "rays of a square of pixels that the viewer does not see sharp, at fixed places in it")                     \
+    GW_ROW(reconstruction, CHOICE, 2, 0, 2, "bilinear|cubic|edge-aware", FRAME, "", "blurred and stepped silhouettes against time", \
+           "bilinear", "how pixels are made of coarse samples: tents, sharper cubics, or cubics cut at silhouettes")     \
+    GW_ROW(rate_blend, SWITCH, 1, 0, 1, "", FRAME, "", "visible borders between sample rates against blur", "off",      \
+           "sharpness falls smoothly from one sample rate to the next")                                               \
+    GW_ROW(edge_depth, REAL, 0.5, 0.01, 1.0, "", FRAME, "", "smeared silhouettes against stepped ones", "1 (depth is no edge)", \
+           "sine of the angle to the surface beyond which the next sample lies on another one")                        \
+    GW_ROW(edge_normal, REAL, 60.0, 1.0, 180.0, "", FRAME, "deg", "smeared creases against stepped ones",               \
+           "180 (no crease is an edge)", "angle between the normals of two samples that makes an edge between them")  \
     GW_ROW(samples, CHOICE, 0, 0, 4, "1|2|4|8|16", FRAME, "rays", "jagged and shimmering edges against rays", "16",  \
            "rays of a pixel where the viewer sees it sharp, at fixed places in it")                                    \
     GW_ROW(accumulate, INTEGER, 1, 1, 256, "", FRAME, "samples", "jagged and shimmering edges against rays", "256",      \
@@ -123,6 +131,7 @@ typedef enum gw_setting_stage { GW_SETTING_BUILD, GW_SETTING_FRAME } gw_setting_
 enum { GW_PAYLOAD_AREA, GW_PAYLOAD_SEED };
 enum { GW_GEOMETRY_HYBRID, GW_GEOMETRY_TRIANGLES, GW_GEOMETRY_VOXELS };
 enum { GW_FILTER_NEAREST, GW_FILTER_BILINEAR, GW_FILTER_TRILINEAR };
+enum { GW_RECONSTRUCTION_BILINEAR, GW_RECONSTRUCTION_CUBIC, GW_RECONSTRUCTION_EDGE_AWARE };
 enum { GW_PRECISION_FLOAT, GW_PRECISION_DOUBLE };
 
 typedef struct gw_setting_row {

@@ -1,6 +1,7 @@
 /* See frame_block.h. Angles survive the similarity from wall to rebased space, so gaze is computed there. */
 #include "render/frame_block.h"
 
+#include "base/portable_math.h"
 #include "render/vector3.h"
 
 #include <math.h>
@@ -85,7 +86,8 @@ static gw_code check(const gw_plane *plane, const gw_frame_state *state, gw_erro
         state->tau,           state->tau_inside,     state->gaze_margin,       state->gaze_blend,
         state->gaze_growth,   state->gaze_latency,   state->gaze_growth_limit, state->acuity_slope,
         state->voxel_slab,    state->voxel_flatness, state->fold_agreement,    state->least_remainder,
-        state->separated_tau, state->gaze_footprint, state->shadow_tau};
+        state->separated_tau, state->gaze_footprint, state->edge_depth,        state->edge_normal,
+        state->shadow_tau};
     for (size_t i = 0; i < sizeof knobs / sizeof knobs[0]; ++i)
         if (!isfinite(knobs[i]) || knobs[i] < 0.0f)
             return gw_fail(error, GW_BAD_INPUT,
@@ -195,6 +197,9 @@ gw_code gw_frame_block_fill(const gw_scene *scene, const gw_octree *octree, cons
     block->accuracy[3] = state->gaze_margin;
     block->acuity[0] = state->acuity_slope;
     block->gazing[0] = state->gaze_footprint;
+    block->gazing[1] = state->edge_depth;
+    block->gazing[2] = (float)cos((double)state->edge_normal * (GW_PI / 180.0));
+    block->gazing[3] = (float)cos((double)state->edge_normal * (GW_PI / 360.0));
     /* Divisors in the kernels; a state that somebody else made may hold anything. */
     block->acuity[2] = fmaxf(state->voxel_slab, 0.005f);
     block->acuity[3] = state->voxel_flatness;

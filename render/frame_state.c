@@ -19,6 +19,10 @@ void gw_frame_state_apply(gw_frame_state *state, const gw_settings *settings) {
     state->separated_tau = (float)settings->separated_tau;
     state->gaze_footprint = (float)settings->gaze_footprint;
     state->shadow_tau = (float)settings->shadow_tau;
+    state->edge_depth = (float)settings->edge_depth;
+    state->edge_normal = (float)settings->edge_normal;
+    state->reconstruction = (uint8_t)settings->reconstruction;
+    state->rate_blend = (uint8_t)settings->rate_blend;
     state->geometry = (uint8_t)settings->geometry;
     state->level_blend = (uint8_t)settings->level_blend;
     state->leaf_blend = (uint8_t)settings->leaf_blend;

@@ -23,6 +23,7 @@ gw_code gw_frame_kernels(gw_frame_job *job, int resume, gw_error *error) {
     trace.texture_classes = 0;
     trace.voxel_emission = 0;
     trace.debug = GW_DEBUG_NONE;
+    trace.guides = 0;
     trace.resume = shade.resume = resume;
     shade.features &= ~walk_features;
     if (shade.features & GW_FEATURE_SPARSE)

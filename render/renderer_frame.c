@@ -32,7 +32,10 @@ static gw_kernel_key key_of(const gw_renderer *renderer, const gw_frame_state *s
                            .leaf_blend = lod && state->leaf_blend,
                            .voxel_emission = lod && renderer->octree->emissions != NULL,
                            .double_edges = state->triangle_precision == GW_PRECISION_DOUBLE,
-                           .count = renderer->count || shows_work(state->debug)};
+                           .count = renderer->count || shows_work(state->debug),
+                           .guides = (features & GW_FEATURE_SPARSE) && viewers > 0 &&
+                                     state->sample_block > 0 &&
+                                     state->reconstruction == GW_RECONSTRUCTION_EDGE_AWARE};
 }
 
 /* Copies the chunk's pixels that lie in the rectangle; slots are in Morton order within blocks. */
@@ -260,7 +263,8 @@ gw_code gw_renderer_count_rays(gw_renderer *renderer, const gw_similarity *place
                                const gw_rectangle *rectangle, const gw_frame_state *given, uint64_t *rays,
                                gw_error *error) {
     const gw_frame_state drawn = gw_frame_state_in_force(given), *state = &drawn;
-    gw_frame_job job = {.renderer = renderer, .rays = &renderer->rays, .rectangle = rectangle};
+    gw_frame_job job = {
+        .renderer = renderer, .rays = &renderer->rays, .rectangle = rectangle, .state = state};
     gw_code code = begin_frame(&job, placement, plane, state, error);
     if (!code && (job.key.features & GW_FEATURE_SPARSE))
         code = visit_chunks(&job, gw_frame_count_samples, error);

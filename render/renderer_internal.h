@@ -30,7 +30,8 @@ enum gw_binding {
     GW_BINDING_REFLECTED_RAYS = 17,
     GW_BINDING_REFLECTIONS = 18,
     GW_BINDING_REFLECTION_NUMBERS = 19,
-    GW_BINDING_MIRRORS = 20
+    GW_BINDING_MIRRORS = 20,
+    GW_BINDING_GUIDES = 21
 };
 /* Of the kernels of shaders/sample, before a batch is traced. */
 enum gw_list_binding {
@@ -55,7 +56,7 @@ typedef struct gw_ray_buffers {
 typedef struct gw_sample_buffers {
     gw_gl_buffer rates, counts, group_sums; /* of the list under way */
     gw_gl_buffer list;                      /* GW_LIST_ARGUMENTS words, then the arguments of each batch */
-    gw_gl_buffer samples, blocks, sums, pixels;
+    gw_gl_buffer samples, blocks, sums, guides, pixels;
 } gw_sample_buffers;
 /* Shadow rays of what one dispatch has met; exist only if a frame cast shadows, only grow. */
 typedef struct gw_shadow_buffers {
@@ -148,7 +149,7 @@ size_t gw_renderer_chunk_slots(const gw_renderer *renderer);
 /* Samples and blocks a side that a chunk with sparse samples may hold: its lists, not its batches of rays. */
 enum { GW_MOST_SAMPLES = 1 << 22, GW_MOST_SPARSE_SIDE = 496 };
 /* Bytes of one sample in the lists, and of one pixel. */
-enum { GW_SAMPLE_BYTES = 4 + 16, GW_SAMPLE_PIXEL_BYTES = 4 };
+enum { GW_SAMPLE_BYTES = 4 + 16 + 16, GW_SAMPLE_PIXEL_BYTES = 4 };
 /* With more lights than that which cast shadows, chunks are smaller in proportion. */
 enum { GW_CHUNK_LIGHTS = 4 };
 

@@ -84,6 +84,7 @@ static gw_code trace_rays(gw_frame_job *job, uint32_t begin, uint32_t count, gw_
     second.arguments = NULL;
     second.counters = (gw_counters){0};
     second.key.reflected = 1;
+    second.key.guides = 0;
     second.key.debug = GW_DEBUG_NONE;
     second.key.features &=
         ~(uint32_t)(GW_FEATURE_MIRROR | GW_FEATURE_SPARSE | GW_FEATURE_GAZE | GW_FEATURE_ACCUMULATE);

@@ -3,13 +3,15 @@
  * batch is traced. */
 #include "render/renderer_internal.h"
 
+#include <stdio.h>
 #include <string.h>
 
-enum { PAIR_SIDE = 16, RIM_BLOCKS = 2, GROUP = 64 };
+enum { PAIR_SIDE = 16, RIM_BLOCKS = 4, GROUP = 64 };
 
 static gw_gl_buffer *buffer_of(gw_sample_buffers *buffers, size_t i) {
-    gw_gl_buffer *const all[] = {&buffers->rates,   &buffers->counts, &buffers->group_sums, &buffers->list,
-                                 &buffers->samples, &buffers->blocks, &buffers->sums,       &buffers->pixels};
+    gw_gl_buffer *const all[] = {&buffers->rates,  &buffers->counts, &buffers->group_sums,
+                                 &buffers->list,   &buffers->guides, &buffers->samples,
+                                 &buffers->blocks, &buffers->sums,   &buffers->pixels};
     return i < sizeof all / sizeof all[0] ? all[i] : NULL;
 }
 
@@ -100,11 +102,13 @@ static gw_code reserve_lists(const gw_frame_job *job, gw_error *error) {
 }
 
 static gw_code list_program(const gw_frame_job *job, const char *name, GLuint *out, gw_error *error) {
-    char defines[64] = "";
-    if (job->key.features & GW_FEATURE_GAZE)
+    char defines[96] = "";
+    if (job->block.counts[0] > 0)
         strcat(defines, "#define GAZE 1\n");
     if (job->block.sampling[1] == 4)
         strcat(defines, "#define WIDE_SQUARES 1\n");
+    if (job->state->rate_blend)
+        strcat(defines, "#define RATE_BLEND 1\n");
     return gw_gl_program(job->renderer->device, name, defines, out, error);
 }
 
@@ -168,8 +172,12 @@ static gw_code bind_batch(gw_frame_job *job, size_t first, gw_error *error) {
         gw_renderer_reserve(renderer, slots, gw_kernel_fragments(&job->key), job->key.count, error);
     if (!code)
         code = reserve(renderer, &samples->sums, "radiance of samples", most * 16, GW_BINDING_SUMS, error);
+    if (!code && job->key.guides)
+        code = reserve(renderer, &samples->guides, "guides of samples", most * 16, GW_BINDING_GUIDES, error);
     if (code)
         return code;
+    if (job->key.guides)
+        gw_gl_buffer_bind_range(&samples->guides, GW_BINDING_GUIDES, first * 16, here * 16);
     gw_gl_buffer_bind_range(&samples->samples, GW_BINDING_SAMPLES, first * 4, here * 4);
     gw_gl_buffer_bind_range(&samples->sums, GW_BINDING_SUMS, first * 16, here * 16);
     return GW_OK;
@@ -201,18 +209,22 @@ static gw_code trace_batches(gw_frame_job *job, gw_error *error) {
 
 static gw_code reconstruct(gw_frame_job *job, size_t pixel_slots, gw_error *error) {
     gw_renderer *renderer = job->renderer;
+    const int gazed = job->block.counts[0] > 0;
+    char defines[160];
     GLuint program;
-    const char *defines = job->key.features & GW_FEATURE_ACCUMULATE ? "#define ACCUMULATE 1\n" : NULL;
+    snprintf(defines, sizeof defines, "%s%s%s%s%s",
+             job->key.features & GW_FEATURE_ACCUMULATE ? "#define ACCUMULATE 1\n" : "",
+             gazed ? "#define GAZE 1\n" : "", gazed && job->state->rate_blend ? "#define RATE_BLEND 1\n" : "",
+             job->state->reconstruction >= GW_RECONSTRUCTION_CUBIC ? "#define CUBIC 1\n" : "",
+             job->key.guides ? "#define EDGE_AWARE 1\n" : "");
     gw_gl_buffer_bind(&renderer->samples.sums, GW_BINDING_SUMS);
+    if (job->key.guides)
+        gw_gl_buffer_bind(&renderer->samples.guides, GW_BINDING_GUIDES);
     gw_code code = reserve(renderer, &renderer->samples.pixels, "pixels of samples",
                            pixel_slots * sizeof(uint32_t), GW_BINDING_PIXELS, error);
     if (!code)
         code = gw_gl_program(renderer->device, "blend/reconstruct.comp", defines, &program, error);
-    if (code)
-        return code;
-    glProgramUniform1ui(program, 0, (GLuint)pixel_slots);
-    return gw_gl_dispatch(renderer->device, program, (pixel_slots + GW_BLOCK_PIXELS - 1) / GW_BLOCK_PIXELS,
-                          error);
+    return code ? code : gw_gl_dispatch(renderer->device, program, pixel_slots / GW_BLOCK_PIXELS, error);
 }
 
 gw_code gw_frame_samples(gw_frame_job *job, size_t pixel_slots, gw_error *error) {

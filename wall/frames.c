@@ -36,6 +36,8 @@ static const float_field float_fields[] = {
     {"strain", offsetof(gw_frame_state, strain), GW_MAXIMUM_STRAIN},
     {"gaze_footprint", offsetof(gw_frame_state, gaze_footprint), 4},
     {"shadow_tau", offsetof(gw_frame_state, shadow_tau), 16},
+    {"edge_depth", offsetof(gw_frame_state, edge_depth), 1},
+    {"edge_normal", offsetof(gw_frame_state, edge_normal), 180},
 };
 
 typedef struct byte_field {
@@ -50,6 +52,8 @@ static const byte_field byte_fields[] = {
     {"leaf_blend", offsetof(gw_frame_state, leaf_blend), 1},
     {"texture_filter", offsetof(gw_frame_state, texture_filter), GW_FILTER_TRILINEAR},
     {"sample_block", offsetof(gw_frame_state, sample_block), 4},
+    {"reconstruction", offsetof(gw_frame_state, reconstruction), GW_RECONSTRUCTION_EDGE_AWARE},
+    {"rate_blend", offsetof(gw_frame_state, rate_blend), 1},
     {"coarse_samples", offsetof(gw_frame_state, coarse_samples), 3},
     {"samples", offsetof(gw_frame_state, samples), 4},
     {"triangle_precision", offsetof(gw_frame_state, triangle_precision), GW_PRECISION_DOUBLE},

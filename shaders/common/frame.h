@@ -41,7 +41,7 @@ GW_UVEC4(level_begin[4]); // first node of each octree level, 16 entries; unused
 GW_VEC4(accumulation); // xy: this sample's ray in its square, in sides of it from its centre; z: 1 / samples with this one;
                        // w: 1 when samples have been added before
 GW_UVEC4(sampling);  // rays of a coarse square, log2 of the largest square, 0, 0
-GW_VEC4(gazing);     // gaze_footprint, 0, 0, 0
+GW_VEC4(gazing);     // gaze_footprint, edge_depth, cosines of edge_normal and of half of it
 GW_VEC4(coarse_places[4]); // of up to 8 rays in their square, in sides of it, as below
 GW_VEC4(sample_places[8]); // of up to 16 rays in their pixel, from its centre, px: xy of an even one, zw of an odd one
 gw_viewer viewers[GW_MAXIMUM_VIEWERS];
@@ -75,7 +75,8 @@ GW_STRUCT_END(gw_gpu_light)
 
 // Sparse samples (shaders/sample). A sample: pixel relative to the list's first, x in bits 0-11, y in 12-23; log2 of its side in
 // bits 24-26; which of its pixel's rays it is in bits 27-30. A block of 8 x 8 pixels: slot of its first sample in bits 0-27, log2
-// of their side in bits 28-30, bit 31: its pixels blend samples of blocks beside it. A block's samples stand in Morton order, the
+// of their side in bits 28-30, bit 31: its pixels blend samples of blocks round it, two
+// blocks away (four where they are squares of 16). A block's samples stand in Morton order, the
 // rays of one pixel together. A square of 16 pixels is a sample of its first block; the other three blocks have none.
 #define GW_NO_SAMPLE 0xffffffffu
 #define GW_SAMPLE_X(word) ((word) & 0xfffu)
@@ -97,6 +98,9 @@ GW_STRUCT_END(gw_gpu_light)
 // A hit under way is a triangle id with this bit when the ray meets its back: of triangles at one distance the front comes
 // first, then the lowest id, so that faces doubled with opposite winding show the side that was made for the viewer.
 #define GW_HIT_BACK 0x80000000u
+// What a sample met, for edge-aware reconstruction (uvec4): id, as of a fragment, of what weighs most along the ray, or
+// GW_NO_TRIANGLE; bits of its t; its normal, packSnorm4x8; bits of its weight.
+
 // Status of a ray: fragments written by the last dispatch (bits 0-7) and flags.
 #define GW_STATUS_COUNT(status) ((status) & 0xffu)
 #define GW_STATUS_SUSPENDED 0x100u   // another dispatch goes on with this ray

@@ -5,9 +5,9 @@
 #include "sample/grid.glsl"
 #include "sample/scan.glsl"
 #ifdef WIDE_SQUARES
-#define REACH 2
+#define REACH 4
 #else
-#define REACH 1
+#define REACH 2
 #endif
 layout(std430, binding = 0) readonly buffer Rates { uint rates[]; };
 layout(std430, binding = 1) writeonly buffer Counts { uint counts[]; };     // of each block
@@ -19,15 +19,15 @@ bool in_chunk(ivec2 block) {
     return all(greaterThanEqual(block, first)) && all(lessThan(block, first + size));
 }
 
-// Whether a pixel of the chunk reads the block: all of the chunk is read, and of the rim what a block beside it reaches. Pixels
-// in squares of 16 reach into the second block beyond theirs.
+// Whether a pixel of the chunk reads the block: all of the chunk is read, and of the rim what a block near it reaches: two blocks
+// away, as two samples do at a rate of 8; four from squares of 16.
 bool is_read(ivec2 block) {
     bool read = in_chunk(block);
     for (int v = -REACH; v <= REACH; ++v)
         for (int u = -REACH; u <= REACH; ++u) {
             ivec2 other = block + ivec2(u, v);
             uint word = in_chunk(other) ? rates[index_of(other)] : 0u;
-            int reach = GW_BLOCK_RATE(word) == 4u ? 2 : 1;
+            int reach = GW_BLOCK_RATE(word) == 4u ? 4 : 2;
             read = read || ((word & GW_BLOCK_REACHES) != 0u && max(abs(u), abs(v)) <= reach);
         }
     return read;

@@ -3,7 +3,7 @@
 //
 // variants: OCTREE_DEPTH=11; OCTREE_DEPTH=11 LOD=1 GAZE=1 TEXTURES=1 TEXTURE_CLASSES=4 SMOOTH_NORMALS=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 ACCUMULATE=1; OCTREE_DEPTH=11 ALPHA=1 RESUME=1 VERTEX_COLORS=1 EMISSIVE=1 POINT_LIGHTS=1 DIRECTIONAL_LIGHTS=1 COUNT=1
-// variants: OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 EMISSIVE=1 VOXEL_EMISSION=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 GUIDES=1 EMISSIVE=1 VOXEL_EMISSION=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=8; OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=9; OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=10
 // variants: OCTREE_DEPTH=11 LOD=1 GAZE=1 SHADOWS=1 POINT_LIGHTS=1 DIRECTIONAL_LIGHTS=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 UNTIL_COARSE=1 SHADOWS=1 POINT_LIGHTS=1 ALPHA=1 FRAGMENTS=8u
@@ -40,6 +40,9 @@ layout(std430, binding = 6) readonly buffer Work { uvec4 work_of[]; };
 layout(std430, binding = 18) buffer Reflections { vec4 sums[]; };
 #else
 layout(std430, binding = 7) buffer Sums { vec4 sums[]; };
+#endif
+#ifdef GUIDES
+layout(std430, binding = 21) buffer Guides { uvec4 guides[]; };
 #endif
 #ifdef RESUME
 layout(location = 0) uniform uint queue_length;
@@ -100,6 +103,12 @@ void main() {
 #ifdef RESUME
     sum = sums[slot];
 #endif
+#ifdef GUIDES
+    uvec4 guide = uvec4(GW_NO_TRIANGLE, 0u, 0u, 0u);
+#ifdef RESUME
+    guide = guides[slot];
+#endif
+#endif
     for (uint i = 0u; i < count; ++i) {
         uint word = (slot * FRAGMENTS + i) * GW_FRAGMENT_WORDS;
         uint id = fragments[word];
@@ -120,12 +129,19 @@ void main() {
             suspended = suspended && left >= OPAQUE_REMAINDER;
         }
 #endif
+#ifdef GUIDES
+        if (weight > uintBitsToFloat(guide.w))
+            guide = uvec4(id, floatBitsToUint(t), packSnorm4x8(vec4(surface.normal, 0.0)), floatBitsToUint(weight));
+#endif
         precise vec3 lit = light_surface(surface, view, slot * FRAGMENTS + i);
 #ifdef MIRROR
         lit = mirrored(lit, surface, view, id, slot * FRAGMENTS + i);
 #endif
         sum += weight * vec4(debug_fragment(lit, surface, id), 1.0);
     }
+#ifdef GUIDES
+    guides[slot] = guide;
+#endif
     if (suspended) {
 #if defined(SHADOWS) && (defined(LOD) || defined(UNTIL_COARSE))
         keep_visibilities(slot);

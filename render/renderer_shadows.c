@@ -57,6 +57,7 @@ static gw_code kernel_of(const gw_frame_job *job, const char *name, uint32_t fea
         key.texture_classes = 0;
     key.voxel_emission = 0;
     key.debug = GW_DEBUG_NONE;
+    key.guides = 0;
     key.resume = resume;
     gw_code code = gw_renderer_kernel(job->renderer, name, &key, NULL, out, error);
     if (!code && key.texture_classes > 0) {

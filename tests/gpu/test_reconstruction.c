@@ -171,7 +171,7 @@ static gw_scene *rough_wall(void) {
         scene->ambient[k] = 0.2f;
     gw_light *light = calloc(1, sizeof *light);
     assert_non_null(light);
-    *light = (gw_light){.kind = GW_LIGHT_DIRECTIONAL, .color = {3, 3, 3}, .vector = {0.8, 0.3, 0.6}};
+    *light = (gw_light){.kind = GW_LIGHT_DIRECTIONAL, .color = {3, 3, 3}, .vector = {-0.6, -0.3, -0.74}};
     scene->lights = light;
     scene->light_count = 1;
     return scene;

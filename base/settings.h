@@ -64,6 +64,10 @@
            "most that gaze age adds to each half-angle")                                                               \
     GW_ROW(acuity_slope, REAL, 0.022, 0.0, 0.2, "", FRAME, "deg/deg", "blur in the periphery against cost", "0",       \
            "growth of the smallest resolvable period with eccentricity (m of MAR(e) = 1/48 + m e)")                    \
+    GW_ROW(gaze_rule, CHOICE, 0, 0, 1, "acuity|seed", FRAME, "", "what is seen against cost", "acuity",                       \
+           "what falls off outside the ellipsoid: what eyes resolve, or as Weier et al. 2014: by distance along the wall") \
+    GW_ROW(seed_distance, REAL, 200.0, 1.0, 1000000.0, "", FRAME, "mm", "blur in the periphery against steps", "1000000", \
+           "gaze_rule seed: distance from the ellipse on the wall over which voxels grow by one octree level")           \
     GW_ROW(gaze_footprint, REAL, 0.5, 0.0, 4.0, "", FRAME, "spacings", "blur in the periphery against steps",                 \
            "0 (a ray is as wide as the pixels it stands for)",                                                       \
            "least width of a ray over the spacing that the viewer resolves there")                                     \
@@ -131,6 +135,7 @@ typedef enum gw_setting_stage { GW_SETTING_BUILD, GW_SETTING_FRAME } gw_setting_
 enum { GW_PAYLOAD_AREA, GW_PAYLOAD_SEED };
 enum { GW_GEOMETRY_HYBRID, GW_GEOMETRY_TRIANGLES, GW_GEOMETRY_VOXELS };
 enum { GW_FILTER_NEAREST, GW_FILTER_BILINEAR, GW_FILTER_TRILINEAR };
+enum { GW_GAZE_ACUITY, GW_GAZE_SEED };
 enum { GW_RECONSTRUCTION_BILINEAR, GW_RECONSTRUCTION_CUBIC, GW_RECONSTRUCTION_EDGE_AWARE };
 enum { GW_PRECISION_FLOAT, GW_PRECISION_DOUBLE };
 

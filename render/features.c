@@ -157,6 +157,8 @@ gw_code gw_kernel_defines(const gw_kernel_key *key, char *text, size_t size, gw_
         append(&out, "#define REFLECTED 1\n");
     if (key->until_coarse)
         append(&out, "#define UNTIL_COARSE 1\n");
+    if (key->gaze_seed)
+        append(&out, "#define GAZE_SEED 1\n");
     if (key->guides)
         append(&out, "#define GUIDES 1\n");
     if (key->resume)

@@ -64,6 +64,7 @@ typedef struct gw_kernel_key {
     int voxels_only, level_blend, leaf_blend, double_edges, count, resume, any_hit;
     int reflected;      /* its rays come from mirrors */
     int until_coarse;   /* the first round of a frame with voxels: see renderer_batch.c */
+    int gaze_seed;      /* gaze_rule = seed */
     int guides;         /* samples tell what they met, for edge-aware reconstruction */
     int voxel_emission; /* the octree knows what its voxels emit */
 } gw_kernel_key;

@@ -72,6 +72,9 @@ static int fill_viewer(const ray_space *space, const double eye[3], const gw_gaz
     to_ray_units(&axes, forward, out->forward);
     out->eye[3] = widened(gaze->half_width, state, gaze->age);
     out->right[3] = widened(gaze->half_height, state, gaze->age);
+    const double steepest = 89.0; /* deg: an ellipse needs less than a right angle */
+    out->up[3] = (float)tan(fmin(fmax((double)out->eye[3], 1e-3), steepest) * (GW_PI / 180.0));
+    out->forward[3] = (float)tan(fmin(fmax((double)out->right[3], 1e-3), steepest) * (GW_PI / 180.0));
     return 1;
 }
 
@@ -87,7 +90,7 @@ static gw_code check(const gw_plane *plane, const gw_frame_state *state, gw_erro
         state->gaze_growth,   state->gaze_latency,   state->gaze_growth_limit, state->acuity_slope,
         state->voxel_slab,    state->voxel_flatness, state->fold_agreement,    state->least_remainder,
         state->separated_tau, state->gaze_footprint, state->edge_depth,        state->edge_normal,
-        state->shadow_tau};
+        state->shadow_tau,    state->seed_distance};
     for (size_t i = 0; i < sizeof knobs / sizeof knobs[0]; ++i)
         if (!isfinite(knobs[i]) || knobs[i] < 0.0f)
             return gw_fail(error, GW_BAD_INPUT,
@@ -191,6 +194,7 @@ gw_code gw_frame_block_fill(const gw_scene *scene, const gw_octree *octree, cons
     to_ray_units(&space, plane->step_x, block->step_x);
     to_ray_units(&space, plane->step_y, block->step_y);
 
+    block->step_x[3] = (float)(1.0 / (fmax((double)state->seed_distance, 1.0) * space.scale));
     block->accuracy[0] = state->tau;
     block->accuracy[1] = state->tau_inside;
     block->accuracy[2] = state->gaze_blend;

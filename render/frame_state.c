@@ -19,6 +19,8 @@ void gw_frame_state_apply(gw_frame_state *state, const gw_settings *settings) {
     state->separated_tau = (float)settings->separated_tau;
     state->gaze_footprint = (float)settings->gaze_footprint;
     state->shadow_tau = (float)settings->shadow_tau;
+    state->seed_distance = (float)settings->seed_distance;
+    state->gaze_rule = (uint8_t)settings->gaze_rule;
     state->edge_depth = (float)settings->edge_depth;
     state->edge_normal = (float)settings->edge_normal;
     state->reconstruction = (uint8_t)settings->reconstruction;

@@ -29,11 +29,11 @@ typedef struct gw_frame_state {
     /* Knobs of the FRAME stage, as floats (settings.h says what they mean). */
     float tau, tau_inside, gaze_margin, gaze_blend, gaze_growth, gaze_latency, gaze_growth_limit,
         acuity_slope, voxel_slab, voxel_flatness, fold_agreement, least_remainder, separated_tau,
-        gaze_footprint, shadow_tau, edge_depth, edge_normal;
+        gaze_footprint, shadow_tau, edge_depth, edge_normal, seed_distance;
     uint8_t geometry, level_blend, leaf_blend, texture_filter, triangle_precision;
     uint8_t debug;        /* gw_debug_view */
     uint8_t sample_block; /* log2 of the side of the largest sample block, 0..4 */
-    uint8_t reconstruction, rate_blend;
+    uint8_t reconstruction, rate_blend, gaze_rule;
     uint8_t coarse_samples; /* log2 of the rays of a coarse square, 0..3 */
     uint8_t samples;        /* log2 of the rays of a sharp pixel, 0..4 */
     uint32_t seed;
@@ -42,7 +42,7 @@ typedef struct gw_frame_state {
      * for, so nothing is kept for one. */
     uint32_t epoch;
     uint16_t accumulate;
-    uint16_t reserved; /* 0 */
+    uint16_t reserved[3]; /* 0 */
     /* How far tau, gaze_margin, acuity_slope and sample_block are strained to be faster: 1, as they stand, to
      * GW_MAXIMUM_STRAIN. See gw_frame_state_in_force(). */
     float strain;

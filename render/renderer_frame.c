@@ -22,20 +22,22 @@ static gw_kernel_key key_of(const gw_renderer *renderer, const gw_frame_state *s
                          gw_features_of_frame(state, viewers, renderer->scene_features)) &
                         ~renderer->forbidden_features;
     int lod = (features & GW_FEATURE_LOD) != 0;
-    return (gw_kernel_key){.features = features,
-                           .depth = renderer->octree->depth,
-                           .texture_classes = renderer->buffers.textures.class_count,
-                           .loop_budget = renderer->loop_budget,
-                           .debug = state->debug,
-                           .voxels_only = lod && state->geometry == GW_GEOMETRY_VOXELS,
-                           .level_blend = lod && state->level_blend,
-                           .leaf_blend = lod && state->leaf_blend,
-                           .voxel_emission = lod && renderer->octree->emissions != NULL,
-                           .double_edges = state->triangle_precision == GW_PRECISION_DOUBLE,
-                           .count = renderer->count || shows_work(state->debug),
-                           .guides = (features & GW_FEATURE_SPARSE) && viewers > 0 &&
-                                     state->sample_block > 0 &&
-                                     state->reconstruction == GW_RECONSTRUCTION_EDGE_AWARE};
+    return (gw_kernel_key){
+        .features = features,
+        .depth = renderer->octree->depth,
+        .texture_classes = renderer->buffers.textures.class_count,
+        .loop_budget = renderer->loop_budget,
+        .debug = state->debug,
+        .voxels_only = lod && state->geometry == GW_GEOMETRY_VOXELS,
+        .level_blend = lod && state->level_blend,
+        .leaf_blend = lod && state->leaf_blend,
+        .voxel_emission = lod && renderer->octree->emissions != NULL,
+        .double_edges = state->triangle_precision == GW_PRECISION_DOUBLE,
+        .count = renderer->count || shows_work(state->debug),
+        .guides = (features & GW_FEATURE_SPARSE) && viewers > 0 && state->sample_block > 0 &&
+                  state->reconstruction == GW_RECONSTRUCTION_EDGE_AWARE && state->gaze_rule == GW_GAZE_ACUITY,
+        .gaze_seed = (features & (GW_FEATURE_GAZE | GW_FEATURE_SPARSE)) && viewers > 0 &&
+                     state->gaze_rule == GW_GAZE_SEED};
 }
 
 /* Copies the chunk's pixels that lie in the rectangle; slots are in Morton order within blocks. */

@@ -102,9 +102,11 @@ static gw_code reserve_lists(const gw_frame_job *job, gw_error *error) {
 }
 
 static gw_code list_program(const gw_frame_job *job, const char *name, GLuint *out, gw_error *error) {
-    char defines[96] = "";
+    char defines[128] = "";
     if (job->block.counts[0] > 0)
         strcat(defines, "#define GAZE 1\n");
+    if (job->key.gaze_seed)
+        strcat(defines, "#define GAZE_SEED 1\n");
     if (job->block.sampling[1] == 4)
         strcat(defines, "#define WIDE_SQUARES 1\n");
     if (job->state->rate_blend)
@@ -210,11 +212,12 @@ static gw_code trace_batches(gw_frame_job *job, gw_error *error) {
 static gw_code reconstruct(gw_frame_job *job, size_t pixel_slots, gw_error *error) {
     gw_renderer *renderer = job->renderer;
     const int gazed = job->block.counts[0] > 0;
-    char defines[160];
+    char defines[192];
     GLuint program;
-    snprintf(defines, sizeof defines, "%s%s%s%s%s",
+    snprintf(defines, sizeof defines, "%s%s%s%s%s%s",
              job->key.features & GW_FEATURE_ACCUMULATE ? "#define ACCUMULATE 1\n" : "",
-             gazed ? "#define GAZE 1\n" : "", gazed && job->state->rate_blend ? "#define RATE_BLEND 1\n" : "",
+             gazed ? "#define GAZE 1\n" : "", job->key.gaze_seed ? "#define GAZE_SEED 1\n" : "",
+             gazed && job->state->rate_blend ? "#define RATE_BLEND 1\n" : "",
              job->state->reconstruction >= GW_RECONSTRUCTION_CUBIC ? "#define CUBIC 1\n" : "",
              job->key.guides ? "#define EDGE_AWARE 1\n" : "");
     gw_gl_buffer_bind(&renderer->samples.sums, GW_BINDING_SUMS);

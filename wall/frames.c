@@ -36,6 +36,7 @@ static const float_field float_fields[] = {
     {"strain", offsetof(gw_frame_state, strain), GW_MAXIMUM_STRAIN},
     {"gaze_footprint", offsetof(gw_frame_state, gaze_footprint), 4},
     {"shadow_tau", offsetof(gw_frame_state, shadow_tau), 16},
+    {"seed_distance", offsetof(gw_frame_state, seed_distance), 1000000},
     {"edge_depth", offsetof(gw_frame_state, edge_depth), 1},
     {"edge_normal", offsetof(gw_frame_state, edge_normal), 180},
 };
@@ -53,6 +54,7 @@ static const byte_field byte_fields[] = {
     {"texture_filter", offsetof(gw_frame_state, texture_filter), GW_FILTER_TRILINEAR},
     {"sample_block", offsetof(gw_frame_state, sample_block), 4},
     {"reconstruction", offsetof(gw_frame_state, reconstruction), GW_RECONSTRUCTION_EDGE_AWARE},
+    {"gaze_rule", offsetof(gw_frame_state, gaze_rule), GW_GAZE_SEED},
     {"rate_blend", offsetof(gw_frame_state, rate_blend), 1},
     {"coarse_samples", offsetof(gw_frame_state, coarse_samples), 3},
     {"samples", offsetof(gw_frame_state, samples), 4},

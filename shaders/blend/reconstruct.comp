@@ -4,7 +4,7 @@
 // places: no picture depends on its tile. One group makes one block.
 //
 // CUBIC: sharper than tents. RATE_BLEND: sharpness falls from rate to rate. EDGE_AWARE: silhouettes stay where they are.
-// variants: ; ACCUMULATE=1; CUBIC=1; GAZE=1 CUBIC=1 RATE_BLEND=1 EDGE_AWARE=1
+// variants: ; ACCUMULATE=1; CUBIC=1; GAZE=1 CUBIC=1 RATE_BLEND=1 EDGE_AWARE=1; GAZE=1 GAZE_SEED=1 RATE_BLEND=1
 #include "common/frame_block.glsl"
 layout(local_size_x = 64) in;
 uniform uint group_base;

@@ -17,8 +17,8 @@
 GW_STRUCT_BEGIN(gw_viewer)
 GW_VEC4(eye);     // viewer's eye minus rendering eye; w: half-width of the ellipsoid, deg, age included
 GW_VEC4(right);   // unit; w: half-height, deg
-GW_VEC4(up);      // unit
-GW_VEC4(forward); // unit, along the gaze
+GW_VEC4(up);      // unit; w: tangent of the half-width
+GW_VEC4(forward); // unit, along the gaze; w: tangent of the half-height
 GW_STRUCT_END(gw_viewer)
 
 // One frame of one plane; chunk and slots change per dispatch.
@@ -26,7 +26,7 @@ GW_STRUCT_END(gw_viewer)
 GW_STRUCT_BEGIN(gw_frame_block)
 GW_VEC4(eye);        // rebased; w: metres of scene per rebased unit
 GW_VEC4(corner);     // plane's corner minus eye, ray units; w: width of a sample in pixels where a pixel has several
-GW_VEC4(step_x);     // ray units per pixel
+GW_VEC4(step_x);     // ray units per pixel; w: 1 / seed_distance, in ray units
 GW_VEC4(step_y);     // w: separated_tau
 GW_VEC4(accuracy);   // tau, tau_inside, gaze_blend deg, gaze_margin deg
 GW_VEC4(acuity);     // slope, smallest period deg, voxel_slab, voxel_flatness
@@ -76,7 +76,7 @@ GW_STRUCT_END(gw_gpu_light)
 // Sparse samples (shaders/sample). A sample: pixel relative to the list's first, x in bits 0-11, y in 12-23; log2 of its side in
 // bits 24-26; which of its pixel's rays it is in bits 27-30. A block of 8 x 8 pixels: slot of its first sample in bits 0-27, log2
 // of their side in bits 28-30, bit 31: its pixels blend samples of blocks round it, two
-// blocks away (four where they are squares of 16). A block's samples stand in Morton order, the
+// blocks away (one where they have a ray each, four where they are squares of 16). A block's samples stand in Morton order, the
 // rays of one pixel together. A square of 16 pixels is a sample of its first block; the other three blocks have none.
 #define GW_NO_SAMPLE 0xffffffffu
 #define GW_SAMPLE_X(word) ((word) & 0xfffu)

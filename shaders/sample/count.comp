@@ -20,14 +20,14 @@ bool in_chunk(ivec2 block) {
 }
 
 // Whether a pixel of the chunk reads the block: all of the chunk is read, and of the rim what a block near it reaches: two blocks
-// away, as two samples do at a rate of 8; four from squares of 16.
+// away, as two samples do at a rate of 8; one from pixels of their own; four from squares of 16.
 bool is_read(ivec2 block) {
     bool read = in_chunk(block);
     for (int v = -REACH; v <= REACH; ++v)
         for (int u = -REACH; u <= REACH; ++u) {
             ivec2 other = block + ivec2(u, v);
             uint word = in_chunk(other) ? rates[index_of(other)] : 0u;
-            int reach = GW_BLOCK_RATE(word) == 4u ? 4 : 2;
+            int reach = GW_BLOCK_RATE(word) == 4u ? 4 : GW_BLOCK_RATE(word) == 0u ? 1 : 2;
             read = read || ((word & GW_BLOCK_REACHES) != 0u && max(abs(u), abs(v)) <= reach);
         }
     return read;

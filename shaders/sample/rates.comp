@@ -2,7 +2,7 @@
 // sharpest viewer resolves anywhere in the block (Guenter et al., Foveated 3D Graphics, 2012). A function of the plane, the
 // wall-global block and the frame state only.
 //
-// variants: ; GAZE=1; GAZE=1 WIDE_SQUARES=1 RATE_BLEND=1
+// variants: ; GAZE=1; GAZE=1 WIDE_SQUARES=1 RATE_BLEND=1; GAZE=1 GAZE_SEED=1 RATE_BLEND=1
 #include "sample/grid.glsl"
 #include "trace/pixel.glsl"
 layout(std430, binding = 0) writeonly buffer Rates { uint rates[]; };
@@ -23,9 +23,11 @@ vec2 spacings_of(vec2 first) {
 uint word_of(ivec2 first) {
     vec2 spacings = spacings_of(vec2(first));
     uint rate = 0u;
+#ifndef GAZE_SEED
     for (uint i = 0u; i < frame.sampling.y; ++i)
         rate += spacings.x >= float(2u << i) ? 1u : 0u;
-#ifdef WIDE_SQUARES
+#endif
+#if defined(WIDE_SQUARES) && !defined(GAZE_SEED)
     // A square of 16 pixels needs four blocks that allow it; all four find the same.
     float wide = 1e30;
     for (int i = 0; i < 4; ++i)

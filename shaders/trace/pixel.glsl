@@ -4,6 +4,9 @@
 #include "common/small_math.glsl"
 #ifdef GAZE
 #include "trace/gaze.glsl"
+#ifdef GAZE_SEED
+#include "trace/gaze_seed.glsl"
+#endif
 #endif
 
 // The square of pixels that a ray stands for.
@@ -113,9 +116,15 @@ Pixel_ray ray_of_square(Pixel_square square) {
     ray.tau = frame.accuracy.y;
 #ifdef GAZE
     if (frame.counts.x > 0u) {
+#ifdef GAZE_SEED
+        float distance_ = seed_distance_at(direction);
+        ray.tau = distance_ > 0.0 ? frame.accuracy.x : frame.accuracy.y;
+        ray.width *= 1.0 + distance_;
+#else
         Acuity acuity = acuity_at(direction);
         ray.tau = acuity.tau;
         ray.width = max(ray.width, acuity.width * frame.gazing.x);
+#endif
     }
 #endif
     return ray;

@@ -149,7 +149,7 @@ static int is_read(const gw_sample_list *list, int column, int row) {
             if (!in_chunk(list, u, v))
                 continue;
             uint32_t word = list->blocks[v * list->block.list[2] + u];
-            int reach = GW_BLOCK_RATE(word) == 4 ? 4 : 2;
+            int reach = GW_BLOCK_RATE(word) == 4 ? 4 : GW_BLOCK_RATE(word) == 0 ? 1 : 2;
             assert_true((word & GW_BLOCK_REACHES) || GW_BLOCK_RATE(word) == 0);
             if ((word & GW_BLOCK_REACHES) && abs(u - column) <= reach && abs(v - row) <= reach)
                 return 1;

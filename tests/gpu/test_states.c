@@ -124,12 +124,14 @@ static gw_camera random_state(uint64_t *random) {
     camera.state.gaze_blend = below(random, 4) ? between(random, 0.1, 6) : 0;
     camera.state.gaze_margin = between(random, 0, 4);
     camera.state.acuity_slope = between(random, 0, 0.2);
-    camera.state.sample_block = (uint8_t)below(random, 4);
+    camera.state.sample_block = (uint8_t)below(random, 5);
     camera.state.samples = (uint8_t)below(random, 3);
     camera.state.coarse_samples = (uint8_t)below(random, 3);
     camera.state.gaze_footprint = between(random, 0, 2);
     camera.state.strain = below(random, 3) ? 1 : between(random, 1, 8);
     camera.state.shadow_tau = between(random, 0, 2);
+    camera.state.reconstruction = (uint8_t)below(random, 3);
+    camera.state.rate_blend = (uint8_t)below(random, 2);
     camera.state.separated_tau = between(random, 0, 1);
     camera.state.voxel_flatness = between(random, 0.4, 1.2);
     camera.state.level_blend = camera.state.leaf_blend = below(random, 5) > 0;

@@ -142,8 +142,10 @@ static int in_chunk(const gw_sample_list *list, int column, int row) {
     return column >= 0 && row >= 0 && column < chunk[2] && row < chunk[3] / chunk[2];
 }
 
-/* Some block of the chunk has pixels that read the block at a column and row of the grid. */
+/* The block at a column and row of the grid lies in the chunk, or pixels of one there read it. */
 static int is_read(const gw_sample_list *list, int column, int row) {
+    if (in_chunk(list, column, row))
+        return 1;
     for (int v = row - 4; v <= row + 4; ++v)
         for (int u = column - 4; u <= column + 4; ++u) {
             if (!in_chunk(list, u, v))

@@ -31,7 +31,8 @@ enum gw_binding {
     GW_BINDING_REFLECTIONS = 18,
     GW_BINDING_REFLECTION_NUMBERS = 19,
     GW_BINDING_MIRRORS = 20,
-    GW_BINDING_GUIDES = 21
+    GW_BINDING_GUIDES = 21,
+    GW_BINDING_BLOCK_LISTS = 22
 };
 /* Of the kernels of shaders/sample, before a batch is traced. */
 enum gw_list_binding {
@@ -57,6 +58,7 @@ typedef struct gw_sample_buffers {
     gw_gl_buffer rates, counts, group_sums; /* of the list under way */
     gw_gl_buffer list;                      /* GW_LIST_ARGUMENTS words, then the arguments of each batch */
     gw_gl_buffer samples, blocks, sums, guides, pixels;
+    gw_gl_buffer block_lists; /* with guides: blend/block_lists.glsl */
 } gw_sample_buffers;
 /* Shadow rays of what one dispatch has met; exist only if a frame cast shadows, only grow. */
 typedef struct gw_shadow_buffers {

@@ -9,9 +9,9 @@
 enum { PAIR_SIDE = 16, RIM_BLOCKS = 4, GROUP = 64 };
 
 static gw_gl_buffer *buffer_of(gw_sample_buffers *buffers, size_t i) {
-    gw_gl_buffer *const all[] = {&buffers->rates,  &buffers->counts, &buffers->group_sums,
-                                 &buffers->list,   &buffers->guides, &buffers->samples,
-                                 &buffers->blocks, &buffers->sums,   &buffers->pixels};
+    gw_gl_buffer *const all[] = {&buffers->rates,  &buffers->counts,     &buffers->group_sums, &buffers->list,
+                                 &buffers->guides, &buffers->samples,    &buffers->blocks,     &buffers->sums,
+                                 &buffers->pixels, &buffers->block_lists};
     return i < sizeof all / sizeof all[0] ? all[i] : NULL;
 }
 
@@ -209,25 +209,58 @@ static gw_code trace_batches(gw_frame_job *job, gw_error *error) {
     return code;
 }
 
-static gw_code reconstruct(gw_frame_job *job, size_t pixel_slots, gw_error *error) {
-    gw_renderer *renderer = job->renderer;
+/* The kernel that makes pixels; edges: with silhouettes; listed: of blocks in a list. */
+static gw_code pixel_program(const gw_frame_job *job, int edges, int listed, GLuint *out, gw_error *error) {
     const int gazed = job->block.counts[0] > 0;
     char defines[192];
-    GLuint program;
-    snprintf(defines, sizeof defines, "%s%s%s%s%s%s",
+    snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s",
              job->key.features & GW_FEATURE_ACCUMULATE ? "#define ACCUMULATE 1\n" : "",
              gazed ? "#define GAZE 1\n" : "", job->key.gaze_seed ? "#define GAZE_SEED 1\n" : "",
              gazed && job->state->rate_blend ? "#define RATE_BLEND 1\n" : "",
              job->state->reconstruction >= GW_RECONSTRUCTION_CUBIC ? "#define CUBIC 1\n" : "",
-             job->key.guides ? "#define EDGE_AWARE 1\n" : "");
+             edges ? "#define EDGE_AWARE 1\n" : "", listed ? "#define LISTED 1\n" : "");
+    return gw_gl_program(job->renderer->device, "blend/reconstruct.comp", defines, out, error);
+}
+
+/* Lists the blocks in which there are edges and those in which there are none, and makes the pixels of each
+ * list by its own kernel. */
+static gw_code reconstruct_listed(gw_frame_job *job, size_t blocks, gw_error *error) {
+    static const uint32_t heads[2][4] = {{0, 0, 1, 0}, {0, 0, 1, 0}};
+    gw_renderer *renderer = job->renderer;
+    gw_gl_buffer *lists = &renderer->samples.block_lists;
+    GLuint list;
+    gw_code code = gw_gl_program(renderer->device, "blend/edge_blocks.comp", NULL, &list, error);
+    if (!code)
+        code = reserve(renderer, lists, "lists of blocks", sizeof heads + blocks * sizeof(uint32_t),
+                       GW_BINDING_BLOCK_LISTS, error);
+    if (!code)
+        code = gw_gl_buffer_write(lists, 0, sizeof heads, heads, error);
+    if (!code)
+        code = gw_gl_dispatch(renderer->device, list, blocks, error);
+    for (int edges = 0; edges < 2 && !code; ++edges) {
+        GLuint program;
+        code = pixel_program(job, edges, 1, &program, error);
+        if (!code)
+            code = gw_gl_dispatch_indirect(renderer->device, program, lists, (size_t)edges * sizeof heads[0],
+                                           error);
+    }
+    return code;
+}
+
+static gw_code reconstruct(gw_frame_job *job, size_t pixel_slots, gw_error *error) {
+    gw_renderer *renderer = job->renderer;
+    const size_t blocks = pixel_slots / GW_BLOCK_PIXELS;
+    GLuint program;
     gw_gl_buffer_bind(&renderer->samples.sums, GW_BINDING_SUMS);
     if (job->key.guides)
         gw_gl_buffer_bind(&renderer->samples.guides, GW_BINDING_GUIDES);
     gw_code code = reserve(renderer, &renderer->samples.pixels, "pixels of samples",
                            pixel_slots * sizeof(uint32_t), GW_BINDING_PIXELS, error);
+    if (!code && job->key.guides)
+        return reconstruct_listed(job, blocks, error);
     if (!code)
-        code = gw_gl_program(renderer->device, "blend/reconstruct.comp", defines, &program, error);
-    return code ? code : gw_gl_dispatch(renderer->device, program, pixel_slots / GW_BLOCK_PIXELS, error);
+        code = pixel_program(job, 0, 0, &program, error);
+    return code ? code : gw_gl_dispatch(renderer->device, program, blocks, error);
 }
 
 gw_code gw_frame_samples(gw_frame_job *job, size_t pixel_slots, gw_error *error) {

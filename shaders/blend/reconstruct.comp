@@ -3,8 +3,10 @@
 // block has another rate, the samples of the grid cell, or the sample that holds it, stand in. Everything stands at wall-global
 // places: no picture depends on its tile. One group makes one block.
 //
-// CUBIC: sharper than tents. RATE_BLEND: sharpness falls from rate to rate. EDGE_AWARE: silhouettes stay where they are.
-// variants: ; ACCUMULATE=1; CUBIC=1; GAZE=1 CUBIC=1 RATE_BLEND=1 EDGE_AWARE=1; GAZE=1 GAZE_SEED=1 RATE_BLEND=1
+// CUBIC: sharper than tents. RATE_BLEND: sharpness falls from rate to rate. EDGE_AWARE: silhouettes stay where they are; only for
+// blocks in which there are any. LISTED: blocks of one of the lists of blend/edge_blocks.comp.
+// variants: ; ACCUMULATE=1; CUBIC=1 LISTED=1; GAZE=1 CUBIC=1 RATE_BLEND=1 EDGE_AWARE=1 LISTED=1
+// variants: GAZE=1 GAZE_SEED=1 RATE_BLEND=1
 #include "common/frame_block.glsl"
 layout(local_size_x = 64) in;
 uniform uint group_base;
@@ -15,29 +17,19 @@ uniform uint group_base;
 #include "blend/store_pixel.glsl"
 #include "blend/samples.glsl"
 
-// The grid cells that a block's pixels read: columns and rows of at most 11.
-#define MOST_CELLS 11
-#define CELL_COUNT (MOST_CELLS * MOST_CELLS)
+#include "blend/cells.glsl"
 shared vec3 colors[CELL_COUNT];
 shared float corner_spacing[4];
-ivec2 first_cell, cell_count; // on the grid of the block's rate
 #ifdef EDGE_AWARE
 #include "blend/edges.glsl"
 #endif
+#ifdef LISTED
+#include "blend/block_lists.glsl"
+#endif
 
-ivec2 cell_before(ivec2 pixel, int rate) {
-    return rate == 0 ? pixel : (pixel - (1 << rate >> 1)) >> rate; // its centre is not right of, not below the pixel's
-}
-
-void fill_cells(ivec2 block, uint word) {
-    int rate = int(GW_BLOCK_RATE(word));
-    first_cell = cell_before(block, rate) - 1;
-    cell_count = cell_before(block + 7, rate) + 3 - first_cell;
-    // Blocks that reach nothing know only their own samples.
-    bool reaches = (word & GW_BLOCK_REACHES) != 0u;
-    ivec2 least = reaches ? first_cell : block, most = reaches ? first_cell + cell_count : block + 7;
+void fill_cells(int rate) {
     for (int i = int(gl_LocalInvocationIndex); i < cell_count.x * cell_count.y; i += 64) {
-        ivec2 cell = clamp(first_cell + ivec2(i % cell_count.x, i / cell_count.x), least, most);
+        ivec2 cell = cell_of(i);
         colors[i] = color_of_cell(cell, rate);
 #ifdef EDGE_AWARE
         fill_guide(i, cell, rate);
@@ -91,12 +83,18 @@ vec3 blended(int corner, vec4 across, vec4 down) {
 }
 
 void main() {
-    uint slot = (group_base + gl_WorkGroupID.x) * 64u + gl_LocalInvocationIndex;
-    uint lane = gl_LocalInvocationIndex, index = slot >> 6, per_row = uint(frame.chunk.z);
-    ivec2 in_chunk = 8 * ivec2(index % per_row, index / per_row);
-    ivec2 block = frame.chunk.xy - frame.list.xy + in_chunk;
+#ifdef LISTED
+    uint index = listed_block();
+    if (index == GW_NO_PLACE)
+        return;
+#else
+    uint index = group_base + gl_WorkGroupID.x;
+#endif
+    uint lane = gl_LocalInvocationIndex, slot = index * 64u + lane;
+    ivec2 in_chunk = place_in_chunk(index), block = frame.chunk.xy - frame.list.xy + in_chunk;
     uint word = block_of(block), rate = GW_BLOCK_RATE(word);
-    fill_cells(block, word);
+    place_cells(block, word);
+    fill_cells(int(rate));
 #ifdef RATE_BLEND
     if (lane < 4u)
         corner_spacing[lane] = spacing_at(vec2(frame.chunk.xy + in_chunk + 8 * ivec2(lane & 1u, lane >> 1)));

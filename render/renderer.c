@@ -216,8 +216,11 @@ gw_code gw_renderer_clear_totals(gw_renderer *renderer, gw_error *error) {
     return gw_gl_buffer_write(&renderer->totals, 0, sizeof zeros, zeros, error);
 }
 
-gw_code gw_renderer_read_totals(gw_renderer *renderer, uint32_t totals[4], gw_error *error) {
-    return gw_gl_buffer_read(&renderer->totals, 0, GW_TOTAL_WORDS * sizeof(uint32_t), totals, error);
+gw_code gw_renderer_read_totals(gw_renderer *renderer, uint32_t totals[GW_TOTAL_WORDS], gw_error *error) {
+    gw_code code = gw_gl_buffer_read(&renderer->totals, 0, GW_TOTAL_WORDS * sizeof(uint32_t), totals, error);
+    if (!code && totals[GW_TOTAL_ITERATIONS] > renderer->loop_iterations)
+        renderer->loop_iterations = totals[GW_TOTAL_ITERATIONS];
+    return code;
 }
 
 gw_code gw_ray_buffers_add_work(const gw_ray_buffers *rays, size_t slots, gw_counters *counters,
@@ -320,4 +323,6 @@ void gw_counters_add(gw_counters *to, const gw_counters *from) {
     to->mirror_rays += from->mirror_rays;
     to->shadow_rays += from->shadow_rays;
     to->resumed += from->resumed;
+    if (from->loop_iterations > to->loop_iterations)
+        to->loop_iterations = from->loop_iterations;
 }

@@ -68,7 +68,7 @@ gw_code gw_frame_resume(gw_frame_job *job, uint32_t queue_length, gw_error *erro
     gw_code code = gw_frame_kernels(job, 1, error);
     job->arguments = NULL;
     for (int from = 1; !code && queue_length > 0; from = 1 - from) {
-        uint32_t totals[4];
+        uint32_t totals[GW_TOTAL_WORDS];
         job->counters.resumed += queue_length;
         glProgramUniform1ui(job->trace, 0, queue_length);
         glProgramUniform1ui(job->shade, 0, queue_length);

@@ -250,12 +250,14 @@ gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement,
     if (code)
         return code;
     renderer->has_drawn = 1;
+    renderer->loop_iterations = 0;
     renderer->last_features = gw_features_of_frame(state, job.block.counts[0], renderer->scene_features);
     gw_scene_buffers_bind(&renderer->buffers, state->texture_filter);
     code = job.key.features & GW_FEATURE_ACCUMULATE ? accumulate(&job, placement, plane, error)
                                                     : visit_chunks(&job, render_chunk, error);
     if (code)
         return gw_context(error, "frame %u", state->frame);
+    job.counters.loop_iterations = renderer->loop_iterations;
     if (counters)
         gw_counters_add(counters, &job.counters);
     return GW_OK;

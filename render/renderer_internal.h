@@ -106,7 +106,8 @@ struct gw_renderer {
     const gw_log *log;
     int count, one_kernel;
     uint32_t loop_budget;
-    uint32_t scene_features; /* but for the forbidden ones */
+    uint32_t loop_iterations; /* the most of a ray in a dispatch since the frame or the tracing began */
+    uint32_t scene_features;  /* but for the forbidden ones */
     uint32_t forced_features, forbidden_features;
     uint32_t last_features; /* of the last frame, for the report */
     int has_drawn;          /* there was one */
@@ -136,10 +137,9 @@ gw_code gw_renderer_grow(gw_renderer *renderer, gw_gl_buffer *buffer, const char
                          gw_error *error);
 /* What its scene and octree call for. */
 gw_code gw_renderer_take_features(gw_renderer *renderer, gw_error *error);
-/* Clears the totals, or reads them; totals are cap hits, NaN pixels, queue length, shadow or
- * reflected rays. */
+/* Clears the totals of shaders/common/frame.h, or reads them. */
 gw_code gw_renderer_clear_totals(gw_renderer *renderer, gw_error *error);
-gw_code gw_renderer_read_totals(gw_renderer *renderer, uint32_t totals[4], gw_error *error);
+gw_code gw_renderer_read_totals(gw_renderer *renderer, uint32_t totals[GW_TOTAL_WORDS], gw_error *error);
 /* Adds the counted work of the first `slots` rays. */
 gw_code gw_ray_buffers_add_work(const gw_ray_buffers *rays, size_t slots, gw_counters *counters,
                                 gw_error *error);

@@ -35,7 +35,7 @@ static gw_code trace_octree(gw_renderer *renderer, trace_job *job, size_t count,
     gw_code code = GW_OK;
     for (int to = 1; !code && length > 0; to = 1 - to) {
         GLuint kernel;
-        uint32_t totals[4];
+        uint32_t totals[GW_TOTAL_WORDS];
         gw_gl_buffer_bind(&renderer->rays.queues[1 - to], GW_BINDING_QUEUE);
         gw_gl_buffer_bind(&renderer->rays.queues[to], GW_BINDING_NEXT_QUEUE);
         code = gw_renderer_kernel(renderer, name, &key, variant->defines, &kernel, error);
@@ -118,6 +118,7 @@ static void bind_inputs(const gw_renderer *renderer, const gw_trace_variant *var
 static gw_code run_job(gw_renderer *renderer, trace_job *job, const gw_ray *rays, size_t ray_count,
                        gw_hit *hits, gw_error *error) {
     job->counters.rays += ray_count;
+    renderer->loop_iterations = 0;
     bind_inputs(renderer, job->variant);
     size_t chunk = gw_renderer_chunk_slots(renderer);
     for (size_t begin = 0; begin < ray_count; begin += chunk) {
@@ -126,6 +127,7 @@ static gw_code run_job(gw_renderer *renderer, trace_job *job, const gw_ray *rays
         if (code)
             return gw_context(error, "tracing %zu rays", ray_count);
     }
+    job->counters.loop_iterations = renderer->loop_iterations;
     return GW_OK;
 }
 

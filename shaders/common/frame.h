@@ -122,6 +122,8 @@ GW_STRUCT_END(gw_gpu_light)
 #define GW_REFLECTED_ROWS 3u
 #define GW_NO_REFLECTION 0xffffffffu
 
-// Totals of one chunk: cap hits, NaN pixels, length of the queue, shadow or reflected rays.
-#define GW_TOTAL_WORDS 4
+// Totals of one chunk: cap hits, NaN pixels, length of the queue, shadow or reflected rays; with COUNT: the most iterations that a
+// ray took in one dispatch.
+#define GW_TOTAL_ITERATIONS 4
+#define GW_TOTAL_WORDS 5
 #endif

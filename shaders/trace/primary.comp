@@ -21,7 +21,7 @@ layout(local_size_x = 64) in;
 uniform uint group_base;
 layout(std430, binding = 0) writeonly buffer Fragments { uint fragments[]; };
 layout(std430, binding = 1) writeonly buffer Statuses { uvec2 statuses[]; }; // status, bits of what remains of the ray
-layout(std430, binding = 3) buffer Totals { uint totals[]; };                // cap hits, NaN pixels, queue length
+layout(std430, binding = 3) buffer Totals { uint totals[]; };                // frame.h
 #ifdef RESUME
 layout(std430, binding = 4) readonly buffer Queue { uint queue[]; };
 layout(location = 0) uniform uint queue_length;
@@ -178,6 +178,7 @@ void main() {
         state_save(ray_slot);
     statuses[ray_slot] = uvec2(status, floatBitsToUint(left));
 #ifdef COUNT
+    atomicMax(totals[GW_TOTAL_ITERATIONS], iterations);
 #ifdef RESUME
     work += work_of[ray_slot];
 #endif

@@ -35,6 +35,7 @@ void main() {
     }
     store_hit(slot, ray, hit_t, hit_triangle);
 #ifdef COUNT
+    atomicMax(totals[GW_TOTAL_ITERATIONS], iterations);
 #ifdef RESUME
     work += work_of[slot];
 #endif

@@ -130,6 +130,7 @@ void main() {
 #endif
     }
 #ifdef COUNT
+    atomicMax(totals[GW_TOTAL_ITERATIONS], iterations);
     for (int i = 0; i < 4; ++i)
         atomicAdd(work_words[(fragment / FRAGMENTS) * 4u + uint(i)], work[i]);
 #endif

@@ -106,7 +106,9 @@ static gw_code check_view(const gw_yaml_node *node, const double eye[3], const d
     if (!(squared_length(d) > 0.0))
         return gw_yaml_fail(node, error, "'eye' and 'look_at' are the same point");
     if (!(squared_length(cross) > 1e-12 * squared_length(d) * squared_length(up)))
-        return gw_yaml_fail(node, error, "'up' has no length or points along the view: give another 'up'");
+        return gw_yaml_fail(node, error,
+                            "'up' (0, 1, 0 where none can be given) has no length or points along the view: "
+                            "change it, or the view");
     return GW_OK;
 }
 

@@ -98,6 +98,10 @@ gw_code gw_place_frame(const gw_scene *scene, const gw_frame_state *state, doubl
         view.look_at[k] = (double)state->look_at[k];
         navigated |= state->stand[k] != state->look_at[k];
     }
+    if (view.eye[0] == view.look_at[0] && view.eye[2] == view.look_at[2]) { /* straight up or down */
+        view.up[1] = 0;
+        view.up[2] = -1;
+    }
     return navigated ? gw_place_viewpoint(scene, &view, neutral_eye, out, error)
                      : gw_place_scene(scene, wall_width, wall_height, wall_centre, neutral_eye, out, error);
 }

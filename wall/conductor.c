@@ -125,6 +125,23 @@ static char *make_text(const char *format, ...) {
     return length < 0 ? NULL : text;
 }
 
+/* Every frame looks somewhere: where eye and look_at of a path meet, nothing says where to. */
+static gw_code check_path(const gw_conductor *conductor, const char *name, gw_error *error) {
+    for (uint32_t frame = 0; frame < conductor->frame_count; ++frame) {
+        const double time = (double)(conductor->first_time + (int64_t)frame * conductor->step) * 1e-9;
+        double stand[3], look_at[3];
+        gw_camera_path_at(&conductor->path, time, stand, look_at);
+        if ((float)stand[0] == (float)look_at[0] && (float)stand[1] == (float)look_at[1] &&
+            (float)stand[2] == (float)look_at[2])
+            return gw_fail(
+                error, GW_BAD_INPUT,
+                "path '%s' has no direction at %.3f s (frame %u): eye and look_at are the same point "
+                "%g,%g,%g; move one of them in the keys about that time",
+                name, time, (unsigned)frame, stand[0], stand[1], stand[2]);
+    }
+    return GW_OK;
+}
+
 /* The scene's path is needed longer than rank 0 has the scene. Without --step and a track's pace, frames are
  * spread over what is left of it. */
 static gw_code take_path(gw_conductor *conductor, const struct gw_rank *rank, gw_error *error) {
@@ -144,7 +161,7 @@ static gw_code take_path(gw_conductor *conductor, const struct gw_rank *rank, gw
     if (options->step < 0)
         conductor->step =
             conductor->frame_count > 1 && rest > 0 ? (int64_t)(rest * 1e9 / (conductor->frame_count - 1)) : 0;
-    return GW_OK;
+    return check_path(conductor, options->path, error);
 }
 
 gw_code gw_conductor_describe(gw_conductor *conductor, const struct gw_rank *rank, gw_error *error) {

@@ -16,29 +16,29 @@ static const size_t largest_recording = (size_t)1 << 30;
 typedef struct float_field {
     const char *name;
     size_t offset;
-    double maximum;
+    double minimum, maximum;
 } float_field;
 
 static const float_field float_fields[] = {
-    {"tau", offsetof(gw_frame_state, tau), 64},
-    {"tau_inside", offsetof(gw_frame_state, tau_inside), 64},
-    {"gaze_margin", offsetof(gw_frame_state, gaze_margin), 90},
-    {"gaze_blend", offsetof(gw_frame_state, gaze_blend), 90},
-    {"gaze_growth", offsetof(gw_frame_state, gaze_growth), 1000},
-    {"gaze_latency", offsetof(gw_frame_state, gaze_latency), 1000},
-    {"gaze_growth_limit", offsetof(gw_frame_state, gaze_growth_limit), 90},
-    {"acuity_slope", offsetof(gw_frame_state, acuity_slope), 1},
-    {"voxel_slab", offsetof(gw_frame_state, voxel_slab), 0.25},
-    {"voxel_flatness", offsetof(gw_frame_state, voxel_flatness), 1.2},
-    {"fold_agreement", offsetof(gw_frame_state, fold_agreement), 1},
-    {"least_remainder", offsetof(gw_frame_state, least_remainder), 0.25},
-    {"separated_tau", offsetof(gw_frame_state, separated_tau), 1},
-    {"strain", offsetof(gw_frame_state, strain), GW_MAXIMUM_STRAIN},
-    {"gaze_footprint", offsetof(gw_frame_state, gaze_footprint), 4},
-    {"shadow_tau", offsetof(gw_frame_state, shadow_tau), 16},
-    {"seed_distance", offsetof(gw_frame_state, seed_distance), 1000000},
-    {"edge_depth", offsetof(gw_frame_state, edge_depth), 1},
-    {"edge_normal", offsetof(gw_frame_state, edge_normal), 180},
+    {"tau", offsetof(gw_frame_state, tau), 0, 64},
+    {"tau_inside", offsetof(gw_frame_state, tau_inside), 0, 64},
+    {"gaze_margin", offsetof(gw_frame_state, gaze_margin), 0, 90},
+    {"gaze_blend", offsetof(gw_frame_state, gaze_blend), 0, 90},
+    {"gaze_growth", offsetof(gw_frame_state, gaze_growth), 0, 1000},
+    {"gaze_latency", offsetof(gw_frame_state, gaze_latency), 0, 1000},
+    {"gaze_growth_limit", offsetof(gw_frame_state, gaze_growth_limit), 0, 90},
+    {"acuity_slope", offsetof(gw_frame_state, acuity_slope), 0, 1},
+    {"voxel_slab", offsetof(gw_frame_state, voxel_slab), 0, 0.25},
+    {"voxel_flatness", offsetof(gw_frame_state, voxel_flatness), 0, 1.2},
+    {"fold_agreement", offsetof(gw_frame_state, fold_agreement), 0, 1},
+    {"least_remainder", offsetof(gw_frame_state, least_remainder), 0, 0.25},
+    {"separated_tau", offsetof(gw_frame_state, separated_tau), 0, 1},
+    {"strain", offsetof(gw_frame_state, strain), 1, GW_MAXIMUM_STRAIN},
+    {"gaze_footprint", offsetof(gw_frame_state, gaze_footprint), 0, 4},
+    {"shadow_tau", offsetof(gw_frame_state, shadow_tau), 0, 16},
+    {"seed_distance", offsetof(gw_frame_state, seed_distance), 1, 1000000},
+    {"edge_depth", offsetof(gw_frame_state, edge_depth), 0.01, 1},
+    {"edge_normal", offsetof(gw_frame_state, edge_normal), 1, 180},
 };
 
 typedef struct byte_field {
@@ -337,9 +337,11 @@ static int take_gazes(const place *at, const json_t *object, gw_frame_state *sta
 
 static int take_knobs(const place *at, const json_t *object, gw_frame_state *state) {
     for (size_t i = 0; i < COUNT(float_fields); i++) {
-        float value;
-        if (!take_float(at, object, float_fields[i].name, float_fields[i].maximum, &value))
+        double number;
+        if (!take_number(at, object, float_fields[i].name, float_fields[i].minimum, float_fields[i].maximum,
+                         &number))
             return 0;
+        const float value = (float)number;
         memcpy((char *)state + float_fields[i].offset, &value, sizeof value);
     }
     for (size_t i = 0; i < COUNT(byte_fields); i++) {

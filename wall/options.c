@@ -434,3 +434,23 @@ gw_code gw_stray_argument(const char *argument, gw_error *error) {
     return gw_fail(error, GW_BAD_INPUT, "'%s' belongs to no option; a scene is given as --scene %s", argument,
                    argument);
 }
+
+gw_code gw_draw_options_decide_frames(const gw_draw_options *options, gw_error *error) {
+    const char *given = options->seed != 0                ? "--seed"
+                        : options->time != 0              ? "--time"
+                        : options->debug != GW_DEBUG_NONE ? "--debug"
+                                                          : NULL;
+    char text[64];
+    for (size_t i = 0; i < gw_setting_count && !given; i++) {
+        const gw_setting_row *row = &gw_setting_rows[i];
+        if (row->stage != GW_SETTING_FRAME || gw_setting_value(&options->settings, row) == row->initial)
+            continue;
+        gw_setting_text(&options->settings, row, text);
+        return gw_fail(
+            error, GW_BAD_INPUT,
+            "--states holds the settings of every frame; leave out %s=%s, or record states with it",
+            row->name, text);
+    }
+    return given ? gw_fail(error, GW_BAD_INPUT, "--states holds that for every frame; leave out %s", given)
+                 : GW_OK;
+}

@@ -39,6 +39,10 @@ extern const struct argp gw_draw_argp;
 /* The part of it that says which octree, for verbs that draw nothing. */
 extern const struct argp gw_scene_argp;
 
+/* GW_BAD_INPUT, naming it, if the options change anything that recorded frame states hold: a setting of
+ * frames, seed, time, debug view. */
+gw_code gw_draw_options_decide_frames(const gw_draw_options *options, gw_error *error);
+
 /* Parses argv with argp. GW_OK with *helped = 1 when --help was asked for and has been printed. The parsers
  * of argp return EINVAL after gw_fail() on `error`. */
 gw_code gw_arguments_parse(const struct argp *argp, int argc, char **argv, void *input, int *helped,

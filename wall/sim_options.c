@@ -321,6 +321,10 @@ gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *he
         return gw_fail(
             error, GW_BAD_INPUT,
             "--states holds what a budget decided in every frame; leave out --budget and --budget-rays");
+    if (out->states && (code = gw_draw_options_decide_frames(&out->draw, error)))
+        return code;
+    if (out->states && (out->still[0] > 0 || out->still[1] > 0))
+        return gw_fail(error, GW_BAD_INPUT, "--states holds what stood still; leave out --still");
     if (out->states && out->path)
         return gw_fail(error, GW_BAD_INPUT, "--states holds where every frame stands; leave out --path");
     if (out->states && out->gaze != GW_GAZE_FROM_TRACK)

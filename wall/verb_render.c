@@ -176,6 +176,11 @@ static gw_code check_view(const render_options *o, gw_error *error) {
     if (o->states && (o->has_eye || o->viewpoint || o->path || o->gaze == GW_GAZE_AT_PIXEL))
         return gw_fail(error, GW_BAD_INPUT,
                        "--states holds eye and gaze; leave out --eye, --viewpoint, --path and --gaze");
+    if (o->triple && o->draw.debug != GW_DEBUG_NONE)
+        return gw_fail(error, GW_BAD_INPUT,
+                       "--triple compares pictures, and --debug draws a map; leave out one of them");
+    if (o->states && gw_draw_options_decide_frames(&o->draw, error))
+        return GW_BAD_INPUT;
     if (o->frame >= 0 && !o->states)
         return gw_fail(error, GW_BAD_INPUT, "--frame picks one of recorded states; give --states FILE, too");
     return GW_OK;

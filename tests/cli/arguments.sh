@@ -75,6 +75,9 @@ expect "two scenes" 2 "'b.obj' is one scene too many" inspect a.obj b.obj
 expect "no such scene" 2 "nowhere.obj" render --scene "$folder/nowhere.obj"
 expect "no such scene on the wall" 2 "nowhere.obj" sim --scene "$folder/nowhere.obj" --tiles 2x1 --size 64x48
 expect "no such track on the wall" 2 "nowhere.vrpn" sim "${scene[@]}" --track "$folder/nowhere.vrpn" --tiles 2x1 --size 64x48
+expect "a setting beside states" 2 "leave out tau=3" render "${scene[@]}" --states "$folder/nowhere.json" --set tau=3
+expect "a debug view beside states" 2 "leave out --debug" sim "${scene[@]}" --states "$folder/nowhere.json" --debug levels
+expect "a map beside the exact picture" 2 "leave out one of them" render "${scene[@]}" --triple "$folder/triple" --debug levels
 expect "no such states" 2 "nowhere.json" render "${scene[@]}" --states "$folder/nowhere.json"
 echo '{"gazewall": 1}' >"$folder/other.json"
 expect "states that are none" 2 "other.json:1: no recording of frame states" render "${scene[@]}" --states "$folder/other.json"

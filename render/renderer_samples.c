@@ -200,7 +200,7 @@ static gw_code trace_batches(gw_frame_job *job, gw_error *error) {
         job->arguments = NULL;
         if (!code && first == 0)
             code = read_list(job, words, error);
-        size_t left = (size_t)words[1] * GROUP - (code ? 0 : first);
+        const size_t left = (size_t)words[1] * GROUP - first; /* of them from this batch on */
         if (!code && job->key.count)
             code = gw_ray_buffers_add_work(job->rays, left < slots ? left : slots, &job->counters, error);
         first += slots;

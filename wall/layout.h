@@ -1,5 +1,5 @@
 /* The wall as built: its tiles in millimetres and pixels, from --tiles/--size or from a site file
- * (docs/sites.md). A plain value without pointers, so that rank 0 can send it to every rank as bytes. Any
+ * (wall/site.h). A plain value without pointers, so that rank 0 can send it to every rank as bytes. Any
  * thread. */
 #ifndef GW_WALL_LAYOUT_H
 #define GW_WALL_LAYOUT_H
@@ -46,9 +46,6 @@ void gw_split_evenly(uint32_t pixels, uint32_t count, uint32_t *parts);
  * same pixels; with bezels each tile is its own plane. Tiles are named c0r0, c1r0, ... row by row from the
  * top left. GW_BAD_INPUT for too many tiles, no pixels, or sizes that are not finite and positive. */
 gw_code gw_layout_grid(const gw_grid *grid, gw_layout *out, gw_error *error);
-
-/* Reads a site file. */
-gw_code gw_layout_load(const char *path, gw_layout *out, gw_error *error);
 
 /* The point of wall space (mm) under a position of the picture without bezels (px, fractions allowed).
  * GW_BAD_INPUT when no tile is there. */

@@ -18,7 +18,7 @@
 #include <unistd.h>
 
 static const gw_tile *own_tile(const gw_rank *rank) {
-    return &rank->layout.tiles[rank->number];
+    return &rank->site.layout.tiles[rank->number];
 }
 
 /* --- a frame
@@ -30,7 +30,7 @@ static gw_code write_own_picture(gw_rank *rank, const char *path, gw_error *erro
         .width = tile->rectangle.width, .height = tile->rectangle.height, .rgba = rank->pixels};
     char comment[128];
     snprintf(comment, sizeof comment, "Gazewall " GW_VERSION ", tile %s of %" PRIu32, tile->name,
-             rank->layout.tile_count);
+             rank->site.layout.tile_count);
     gw_interrupt_hold();
     gw_code code = path ? gw_image_write_png(path, &image, comment, error)
                         : gw_fail(error, GW_MACHINE, "memory is out while naming a picture");
@@ -57,7 +57,7 @@ void gw_rank_draw(gw_rank *rank, const gw_release *release, gw_done *done) {
     memset(done, 0, sizeof *done);
     done->frame = release->state.frame;
     int64_t begin = gw_now_ns();
-    const gw_layout *layout = &rank->layout;
+    const gw_layout *layout = &rank->site.layout;
     gw_similarity placement;
     gw_code code = gw_place_frame(&rank->share.scene.scene, &release->state, layout->size[0], layout->size[1],
                                   layout->centre, layout->eye, &placement, &error);
@@ -77,19 +77,19 @@ void gw_rank_draw(gw_rank *rank, const gw_release *release, gw_done *done) {
 /* --- before frame 1
  * --------------------------------------------------------------------------------------------- */
 
-static gw_code spread_layout(gw_rank *rank, gw_error *error) {
-    gw_code code = rank->number == 0 ? gw_wall_layout(&rank->options.wall, &rank->layout, error) : GW_OK;
+static gw_code spread_site(gw_rank *rank, gw_error *error) {
+    gw_code code = rank->number == 0 ? gw_wall_site(&rank->options.wall, &rank->site, error) : GW_OK;
     if (code)
         return code;
     MPI_Request request;
-    code = gw_mpi_check(
-        MPI_Ibcast(&rank->layout, (int)sizeof rank->layout, MPI_BYTE, 0, MPI_COMM_WORLD, &request),
-        "sending the layout", error);
+    code =
+        gw_mpi_check(MPI_Ibcast(&rank->site, (int)sizeof rank->site, MPI_BYTE, 0, MPI_COMM_WORLD, &request),
+                     "sending the site", error);
     if (!code)
-        code = gw_mpi_wait(&request, rank->load_deadline, "waiting for the layout", error);
-    if (!code && rank->layout.tile_count != (uint32_t)rank->size)
+        code = gw_mpi_wait(&request, rank->load_deadline, "waiting for the site", error);
+    if (!code && rank->site.layout.tile_count != (uint32_t)rank->size)
         code = gw_fail(error, GW_MACHINE, "the wall has %" PRIu32 " tiles, but MPI started %d ranks",
-                       rank->layout.tile_count, rank->size);
+                       rank->site.layout.tile_count, rank->size);
     return code;
 }
 
@@ -143,7 +143,7 @@ static gw_code get_ready(gw_rank *rank, gw_conductor *conductor, gw_error *error
     gw_code code = load(rank, conductor, error);
     if (code)
         return code;
-    const gw_layout *layout = &rank->layout;
+    const gw_layout *layout = &rank->site.layout;
     const gw_share *shared = &rank->share;
     gw_similarity placement;
     /* A scene that cannot be placed is told now, not in the first frame. */
@@ -217,7 +217,7 @@ static gw_code run(gw_rank *rank, int argc, char **argv, gw_error *error) {
     gw_conductor conductor = {0};
     gw_code code = gw_share_init(&rank->share, rank->options.machines, error);
     if (!code)
-        code = spread_layout(rank, error);
+        code = spread_site(rank, error);
     if (!code && rank->number == 0)
         code = gw_conductor_init(&conductor, rank, argc, argv, error);
     if (!code)

@@ -7,17 +7,17 @@
 #include "render/renderer.h"
 #include "wall/build_together.h"
 #include "wall/gate.h"
-#include "wall/layout.h"
 #include "wall/link.h"
 #include "wall/model.h"
 #include "wall/share.h"
 #include "wall/sim_options.h"
+#include "wall/site.h"
 
 #include <stdint.h>
 
 typedef struct gw_rank {
     gw_sim_options options;
-    gw_layout layout;
+    gw_site site;
     gw_link line;   /* to the launcher */
     gw_model model; /* rank 0: scene and octree until they are shared */
     gw_share share;

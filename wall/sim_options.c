@@ -40,14 +40,16 @@ static gw_code split_axis(const gw_wall_options *options, int axis, const uint32
     return GW_OK;
 }
 
-gw_code gw_wall_layout(const gw_wall_options *options, gw_layout *out, gw_error *error) {
+gw_code gw_wall_site(const gw_wall_options *options, gw_site *out, gw_error *error) {
     if (options->site) {
         if (options->tiles_given || options->size_given || options->width_count || options->height_count)
             return gw_fail(
                 error, GW_BAD_INPUT,
                 "--site describes the whole wall; leave out --tiles, --size, --columns and --rows");
-        return gw_layout_load(options->site, out, error);
+        return gw_site_load(options->site, out, error);
     }
+    memset(out, 0, sizeof *out);
+    gw_site_defaults(out);
     gw_grid grid = {
         .left = options->bezel, .right = options->bezel, .top = options->bezel, .bottom = options->bezel};
     gw_code code =
@@ -62,7 +64,15 @@ gw_code gw_wall_layout(const gw_wall_options *options, gw_layout *out, gw_error 
         pixels += grid.widths[i];
     grid.pitch[0] = grid.pitch[1] = options->wall_width / pixels;
     grid.eye[2] = 0.9 * options->wall_width;
-    return gw_layout_grid(&grid, out, error);
+    return gw_layout_grid(&grid, &out->layout, error);
+}
+
+gw_code gw_wall_layout(const gw_wall_options *options, gw_layout *out, gw_error *error) {
+    gw_site site;
+    gw_code code = gw_wall_site(options, &site, error);
+    if (!code)
+        *out = site.layout;
+    return code;
 }
 
 enum {

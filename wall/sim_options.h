@@ -5,8 +5,8 @@
 
 #include "base/status.h"
 #include "wall/build_together.h"
-#include "wall/layout.h"
 #include "wall/options.h"
+#include "wall/site.h"
 
 #include <stdint.h>
 
@@ -23,6 +23,8 @@ typedef struct gw_wall_options {
 /* 2x2 tiles are sim's default, render has one; 960x540 px, 2000 mm wide. */
 void gw_wall_options_init(gw_wall_options *options, uint32_t columns, uint32_t rows);
 /* The wall that the options describe: a site file or a split. */
+gw_code gw_wall_site(const gw_wall_options *options, gw_site *out, gw_error *error);
+/* Its layout alone. */
 gw_code gw_wall_layout(const gw_wall_options *options, gw_layout *out, gw_error *error);
 
 typedef enum gw_gaze_choice { GW_GAZE_FROM_TRACK, GW_GAZE_AT_PIXEL, GW_GAZE_NONE } gw_gaze_choice;

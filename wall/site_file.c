@@ -1,5 +1,5 @@
-/* Site files: YAML to layout. The format is docs/sites.md; every key not listed here is an error. */
-#include "wall/layout.h"
+/* Site files: YAML to site. The format is docs/sites.md; every key not listed here is an error. */
+#include "wall/site.h"
 
 #include "base/yaml.h"
 
@@ -255,11 +255,13 @@ static gw_code read_site(const gw_yaml_node *root, gw_layout *out, gw_error *err
     return grid ? read_grid(grid, eye, out, error) : read_tiles(tiles, eye, out, error);
 }
 
-gw_code gw_layout_load(const char *path, gw_layout *out, gw_error *error) {
+gw_code gw_site_load(const char *path, gw_site *out, gw_error *error) {
+    memset(out, 0, sizeof *out);
+    gw_site_defaults(out);
     gw_yaml *document = NULL;
     gw_code code = gw_yaml_load(path, &document, error);
     if (!code)
-        code = read_site(gw_yaml_root(document), out, error);
+        code = read_site(gw_yaml_root(document), &out->layout, error);
     gw_yaml_destroy(&document);
     return code;
 }

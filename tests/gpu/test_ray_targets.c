@@ -5,7 +5,7 @@
 #include "tests/support/renders.h"
 #include "tests/support/sample_lists.h"
 #include "wall/frames.h"
-#include "wall/layout.h"
+#include "wall/site.h"
 
 #include <math.h>
 
@@ -112,21 +112,22 @@ static void a_wall_of_35_panels_takes_a_twentyfifth(void **state) {
     static const char *const blocks[] = {"sample_block=1", "sample_block=2", "sample_block=4",
                                          "sample_block=8", "sample_block=16"};
     double share[5];
-    gw_layout layout;
+    gw_site site;
+    const gw_layout *layout = &site.layout;
     (void)state;
-    check_ok(gw_layout_load("configs/sites/35-panels.yaml", &layout, &error));
-    assert_int_equal(layout.tile_count, 35);
+    check_ok(gw_site_load("configs/sites/35-panels.yaml", &site, &error));
+    assert_int_equal(layout->tile_count, 35);
     for (int i = 0; i < 5; ++i) {
         gw_settings settings = settings_of((const char *const[]){
             "gaze_half_width=2.5", "gaze_half_height=2.5", "gaze_margin=5", "samples=1", blocks[i], NULL});
-        share[i] = share_of_rays(&layout, &settings);
+        share[i] = share_of_rays(layout, &settings);
         print_message("# %s: %.2f %% of the rays\n", blocks[i], 100 * share[i]);
     }
     assert_true(share[0] == 1.0);
     assert_true(share[3] <= 0.04);
     assert_true(share[4] < 0.8 * share[3]);
     gw_settings settings = settings_of((const char *const[]){NULL});
-    print_message("# defaults: %.2f %%\n", 100 * share_of_rays(&layout, &settings));
+    print_message("# defaults: %.2f %%\n", 100 * share_of_rays(layout, &settings));
 }
 
 int main(void) {

@@ -9,7 +9,7 @@
 #include "tests/support/renders.h"
 #include "tracking/vrpn_log.h"
 #include "wall/frames.h"
-#include "wall/layout.h"
+#include "wall/site.h"
 
 #include <math.h>
 #include <unistd.h>
@@ -349,24 +349,25 @@ static double channel(const uint8_t *rgba, size_t pixel, int c) {
 /* Two panels that meet at an angle of 110 degrees, and a gaze on their common edge: on each, tau begins to
  * rise where the true angle from the gaze says, and is full where it says. */
 static void a_gaze_on_an_edge_of_two_planes(void **unused) {
-    static const char site[] =
+    static const char text[] =
         "version: 1\neye: [-200, 30, 1000]\ntiles:\n"
         "  - {name: left, corners: [[-800, 480, 0], [0, 480, 0], [-800, -480, 0]],"
         " pixels: [80, 96], place: [0, 0]}\n"
         "  - {name: right, corners: [[0, 480, 0], [273.616, 480, 751.754], [0, -480, 0]],"
         " pixels: [80, 96], place: [80, 0]}\n";
     char path[512];
-    gw_layout layout;
+    gw_site site;
+    const gw_layout *layout = &site.layout;
     (void)unused;
-    check_ok(gw_file_write(scratch_path(path, "corner.yaml"), site, strlen(site), &error));
-    check_ok(gw_layout_load(path, &layout, &error));
+    check_ok(gw_file_write(scratch_path(path, "corner.yaml"), text, strlen(text), &error));
+    check_ok(gw_site_load(path, &site, &error));
     unlink(path);
     gw_frame_state plain = stare((const double[3]){0, 40, 0});
     plain.sample_block = 0; /* a ray for each pixel, so that the map can be told from the picture */
     gw_frame_state map = plain;
     map.debug = GW_DEBUG_GAZE;
     for (int t = 0; t < 2; t++) {
-        const gw_tile *tile = &layout.tiles[t];
+        const gw_tile *tile = &layout->tiles[t];
         uint8_t *seen = draw(&tile->plane, &tile->rectangle, &plain, NULL),
                 *shown = draw(&tile->plane, &tile->rectangle, &map, NULL);
         size_t kinds[2] = {0, 0};

@@ -5,6 +5,7 @@
 #include "wall/layout.h"
 #include "wall/picture.h"
 #include "wall/sim_options.h"
+#include "wall/site.h"
 
 static void splits_are_even_and_complete(void **state) {
     (void)state;
@@ -104,33 +105,35 @@ static const char curved_site[] = "version: 1\n"
 static void measured_corners_are_kept(void **state) {
     (void)state;
     char path[512];
-    gw_layout layout;
+    gw_site site;
+    const gw_layout *layout = &site.layout;
     scratch_path(path, "curved.yaml");
     check_ok(gw_file_write(path, curved_site, sizeof curved_site - 1, &error));
-    check_ok(gw_layout_load(path, &layout, &error));
+    check_ok(gw_site_load(path, &site, &error));
     remove(path);
-    assert_int_equal(layout.tile_count, 2);
-    const gw_plane *plane = &layout.tiles[1].plane;
+    assert_int_equal(layout->tile_count, 2);
+    const gw_plane *plane = &layout->tiles[1].plane;
     assert_true(plane->corner[0] == 0 && plane->corner[1] == 2000 && plane->corner[2] == 0);
     assert_true(plane->step_x[0] == 20 && plane->step_x[1] == 0 && plane->step_x[2] == 7.5);
     assert_true(plane->step_y[0] == 0 && plane->step_y[1] == -20 && plane->step_y[2] == 0);
-    assert_int_equal(layout.picture[0], 80);
-    assert_true(layout.size[0] == 1600 && layout.size[1] == 600);
-    assert_true(layout.centre[0] == 0 && layout.centre[1] == 1700 && layout.centre[2] == 150);
-    assert_true(layout.eye[1] == 1600);
+    assert_int_equal(layout->picture[0], 80);
+    assert_true(layout->size[0] == 1600 && layout->size[1] == 600);
+    assert_true(layout->centre[0] == 0 && layout->centre[1] == 1700 && layout->centre[2] == 150);
+    assert_true(layout->eye[1] == 1600);
 }
 
 static void shipped_sites_load(void **state) {
     (void)state;
-    gw_layout layout;
-    check_ok(gw_layout_load("configs/sites/desktop.yaml", &layout, &error));
-    assert_int_equal(layout.tile_count, 1);
-    check_ok(gw_layout_load("configs/sites/2x2.yaml", &layout, &error));
-    assert_int_equal(layout.tile_count, 4);
-    assert_int_equal(layout.framed[0], layout.picture[0]);
-    check_ok(gw_layout_load("configs/sites/3x2-bezels.yaml", &layout, &error));
-    assert_int_equal(layout.tile_count, 6);
-    assert_true(layout.framed[0] > layout.picture[0] && layout.framed[1] > layout.picture[1]);
+    gw_site site;
+    const gw_layout *layout = &site.layout;
+    check_ok(gw_site_load("configs/sites/desktop.yaml", &site, &error));
+    assert_int_equal(layout->tile_count, 1);
+    check_ok(gw_site_load("configs/sites/2x2.yaml", &site, &error));
+    assert_int_equal(layout->tile_count, 4);
+    assert_int_equal(layout->framed[0], layout->picture[0]);
+    check_ok(gw_site_load("configs/sites/3x2-bezels.yaml", &site, &error));
+    assert_int_equal(layout->tile_count, 6);
+    assert_true(layout->framed[0] > layout->picture[0] && layout->framed[1] > layout->picture[1]);
 }
 
 static void pictures_are_assembled(void **state) {

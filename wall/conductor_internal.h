@@ -1,0 +1,29 @@
+/* What the files of the conductor share: wall/conductor.c runs the frames, conductor_source.c says what they
+ * are made from, conductor_output.c what they leave behind. */
+#ifndef GW_WALL_CONDUCTOR_INTERNAL_H
+#define GW_WALL_CONDUCTOR_INTERNAL_H
+
+#include "wall/conductor.h"
+
+/* Reads the track or the states; sets frame_count, first_time and step. */
+gw_code gw_conductor_choose_source(gw_conductor *conductor, const struct gw_rank *rank, gw_error *error);
+/* Copies --path out of the scene, while rank 0 still has it. */
+gw_code gw_conductor_take_path(gw_conductor *conductor, const struct gw_rank *rank, gw_error *error);
+void gw_conductor_make_state(gw_conductor *conductor, const struct gw_rank *rank, uint32_t frame,
+                             gw_frame_state *state);
+
+/* The report, with the command as the user gave it. */
+gw_code gw_conductor_create_report(gw_conductor *conductor, int argc, char **argv, gw_error *error);
+/* frames.csv in the folder. */
+gw_code gw_conductor_open_rows(gw_conductor *conductor, const char *folder, gw_error *error);
+/* One row of it; presented and slowest in ms. */
+void gw_conductor_write_row(gw_conductor *conductor, uint32_t frame, const gw_counters *sum, double presented,
+                            double slowest);
+gw_code gw_conductor_write_pictures(gw_conductor *conductor, const struct gw_rank *rank,
+                                    const gw_release *release, const uint8_t *const *pixels, gw_error *error);
+gw_code gw_conductor_hash_picture(gw_conductor *conductor, const struct gw_rank *rank,
+                                  const uint8_t *const *pixels, gw_error *error);
+/* Recorded states, report and summary. GW_TILES_LOST when not all tiles lasted. */
+gw_code gw_conductor_finish(gw_conductor *conductor, struct gw_rank *rank, gw_error *error);
+
+#endif

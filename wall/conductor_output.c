@@ -1,0 +1,227 @@
+/* What a run leaves behind: report, frames.csv, pictures, recorded states, the summary. */
+#include "wall/conductor_internal.h"
+
+#include "base/file.h"
+#include "base/image.h"
+#include "base/memory.h"
+#include "wall/interrupt.h"
+#include "wall/picture.h"
+#include "wall/rank.h"
+#include "wall/report.h"
+#include "wall/verbs.h"
+
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The command as the user gave it: sim's words without the launcher's own --link, which stands first. */
+gw_code gw_conductor_create_report(gw_conductor *conductor, int argc, char **argv, gw_error *error) {
+    char **words = NULL;
+    gw_code code = gw_allocate((void **)&words, (size_t)argc + 1, sizeof *words, "report", error);
+    if (code)
+        return code;
+    static char program[] = "gazewall", verb[] = "sim";
+    int count = 0;
+    words[count++] = program;
+    words[count++] = verb;
+    for (int i = 2; i < argc; i++)
+        words[count++] = argv[i];
+    code = gw_report_create(count, words, &conductor->report, error);
+    free(words);
+    return code;
+}
+
+gw_code gw_conductor_open_rows(gw_conductor *conductor, const char *folder, gw_error *error) {
+    char *path = gw_picture_path(folder, "frames.csv");
+    conductor->rows = path ? fopen(path, "we") : NULL;
+    gw_code code =
+        conductor->rows ? GW_OK : gw_fail(error, GW_NO_OUTPUT, "%s/frames.csv cannot be written", folder);
+    free(path);
+    if (!code)
+        fputs("frame,presented_ms,time_s,eye_x_mm,eye_y_mm,eye_z_mm,gazes,gaze_x,gaze_y,gaze_z,gaze_age_s,"
+              "gaze_confidence,tau,tau_inside,epoch,accumulate,strain,gaze_margin,acuity_slope,sample_block,"
+              "error_worst,error_mean,rays,frame_ms,slowest_tile_ms,late_tiles,lost_"
+              "tiles\n",
+              conductor->rows);
+    return code;
+}
+
+static char *make_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
+static char *make_text(const char *format, ...) {
+    char *text = NULL;
+    va_list arguments;
+    va_start(arguments, format);
+    int length = vasprintf(&text, format, arguments);
+    va_end(arguments);
+    return length < 0 ? NULL : text;
+}
+
+gw_code gw_conductor_describe(gw_conductor *conductor, const struct gw_rank *rank, gw_error *error) {
+    const gw_model *model = &rank->model;
+    const gw_scene *scene = model->scene;
+    const gw_octree *octree = model->octree;
+    const gw_gl_limits *limits = gw_gl_limits_of(model->device);
+    conductor->scene_moves = scene->animation != NULL;
+    if (rank->options.step < 0 && !conductor->track && scene->animation)
+        conductor->step = 1000000000 / 30; /* nothing else tells the pace at which it plays */
+    gw_code code = gw_conductor_take_path(conductor, rank, error);
+    if (code)
+        return code;
+    gw_report_device(conductor->report, limits);
+    gw_report_scene(conductor->report, scene, model->import_ms);
+    gw_report_octree(conductor->report, octree, scene, limits, model->build_ms, model->from_cache);
+    gw_report_builders(conductor->report, &rank->together);
+    conductor->scene_line = make_text("%s: %" PRIu32 " triangles (%" PRIu64 " dropped), %" PRIu32
+                                      " materials, %" PRIu32 " textures",
+                                      scene->path, scene->triangle_count, gw_dropped_total(&scene->dropped),
+                                      scene->material_count, scene->texture_count);
+    double bytes = (double)gw_octree_bytes(octree);
+    conductor->octree_line = make_text(
+        "depth %" PRIu32 ", %" PRIu32 " nodes, %.1f MiB, %s in %.2f s on %s, one copy for %d rank%s",
+        octree->depth, octree->node_count, bytes / 1048576.0,
+        model->from_cache ? "read from the cache" : "built", model->build_ms * 1e-3, limits->renderer,
+        rank->size, rank->size == 1 ? "" : "s");
+    return gw_report_floats(conductor->report, model->device, error);
+}
+
+void gw_conductor_write_row(gw_conductor *conductor, uint32_t frame, const gw_counters *sum, double presented,
+                            double slowest) {
+    const gw_frame_state *s = &conductor->states[frame], knobs = gw_frame_state_in_force(s);
+    const gw_gaze *g = &s->gazes[0]; /* all zero when there is none */
+    fprintf(conductor->rows,
+            "%" PRIu32 ",%.3f,%.9f,%.9g,%.9g,%.9g,%" PRIu32 ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%" PRIu32
+            ",%d,%.9g,%.9g,%.9g,%d,%.6g,%.6g,%" PRIu64 ",%.3f,%.3f,0,%" PRIu32 "\n",
+            s->frame, presented, (double)s->time * 1e-9, s->eye[0], s->eye[1], s->eye[2], s->gaze_count,
+            (double)g->direction[0], (double)g->direction[1], (double)g->direction[2], (double)g->age,
+            (double)g->confidence, (double)knobs.tau, (double)knobs.tau_inside, s->epoch, s->accumulate,
+            (double)s->strain, (double)knobs.gaze_margin, (double)knobs.acuity_slope, 1 << knobs.sample_block,
+            conductor->seen.worst, gw_predicted_error_mean(&conductor->seen), sum->rays,
+            conductor->milliseconds[frame], slowest, conductor->lost_count);
+    fflush(conductor->rows);
+}
+
+static gw_code write_picture(const char *folder, const char *name, const gw_image *image, const char *comment,
+                             gw_error *error) {
+    char *path = gw_path_join(folder, name);
+    gw_interrupt_hold();
+    gw_code code = path ? gw_image_write_png(path, image, comment, error)
+                        : gw_fail(error, GW_MACHINE, "memory is out while naming a picture");
+    gw_interrupt_release();
+    free(path);
+    return code;
+}
+
+/* wall-NNNN.png and wall-bezels-NNNN.png, and the plain names for the last frame; a frame that lacks a tile
+ * says so in its name and never gets a plain one. */
+gw_code gw_conductor_write_pictures(gw_conductor *conductor, const struct gw_rank *rank,
+                                    const gw_release *release, const uint8_t *const *pixels,
+                                    gw_error *error) {
+    const char *folder = rank->options.out;
+    const char *mark = conductor->lost_count ? "-incomplete" : "";
+    for (int framed = 0; framed < 2; framed++) {
+        gw_image image = {0};
+        gw_code code = gw_picture_assemble(&rank->site.layout, pixels, framed, &image, error);
+        const char *stem = framed ? "wall-bezels" : "wall";
+        char name[64], comment[128];
+        /* Not a word about the split: every split of a wall gives the same file. */
+        snprintf(comment, sizeof comment, "Gazewall " GW_VERSION ", frame %" PRIu32 "%s",
+                 release->state.frame, conductor->lost_count ? ", incomplete" : "");
+        snprintf(name, sizeof name, "%s-%04" PRIu32 "%s.png", stem, release->state.frame, mark);
+        if (!code)
+            code = write_picture(folder, name, &image, comment, error);
+        if (!code && release->last) {
+            snprintf(name, sizeof name, "%s%s.png", stem, mark);
+            code = write_picture(folder, name, &image, comment, error);
+            if (!framed) {
+                char *path = gw_path_join(folder, name);
+                gw_report_image(conductor->report, path, &image);
+                free(path);
+            }
+        }
+        gw_image_finish(&image);
+        if (code)
+            return code;
+    }
+    return GW_OK;
+}
+
+/* Without --out the report still tells the last picture's hash. */
+gw_code gw_conductor_hash_picture(gw_conductor *conductor, const struct gw_rank *rank,
+                                  const uint8_t *const *pixels, gw_error *error) {
+    gw_image image = {0};
+    gw_code code = gw_picture_assemble(&rank->site.layout, pixels, 0, &image, error);
+    if (!code)
+        gw_report_image(conductor->report, NULL, &image);
+    gw_image_finish(&image);
+    return code;
+}
+
+static void print(struct gw_rank *rank, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void print(struct gw_rank *rank, const char *format, ...) {
+    char text[1024];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    gw_link_send(&rank->line, GW_LINK_PRINT, 0, text);
+}
+
+static void sum_up(const gw_conductor *conductor, struct gw_rank *rank) {
+    const gw_layout *layout = &rank->site.layout;
+    const char *out = rank->options.out;
+    gw_spread ms = gw_spread_of(conductor->milliseconds, conductor->frame_count);
+    double total = 0;
+    for (uint32_t i = 0; i < conductor->frame_count; i++)
+        total += conductor->milliseconds[i];
+    double pixels = (double)conductor->frame_count * layout->picture[0] * layout->picture[1];
+    print(rank, "scene    %s", conductor->scene_line ? conductor->scene_line : "");
+    print(rank, "octree   %s", conductor->octree_line ? conductor->octree_line : "");
+    print(rank, "wall     %" PRIu32 " tiles, %" PRIu32 "x%" PRIu32 " px, %.0fx%.0f mm%s", layout->tile_count,
+          layout->picture[0], layout->picture[1], layout->size[0], layout->size[1],
+          conductor->lost_count ? ", NOT ALL OF THEM TO THE END: see the warnings" : "");
+    print(rank, "frames   %" PRIu32 ": median %.0f ms, slowest %.0f ms", conductor->frame_count, ms.median,
+          ms.maximum);
+    print(rank, "rays     %.2f million, %.2f per pixel, %.2f million a second",
+          (double)conductor->counters.rays * 1e-6, (double)conductor->counters.rays / pixels,
+          (double)conductor->counters.rays * 1e-3 / total);
+    const gw_budget *budget = &conductor->budget;
+    if (gw_budget_is_on(budget))
+        print(rank, "budget   %g %s a frame, exceeded in %" PRIu32 " of %" PRIu32 " frames",
+              budget->rays > 0 ? budget->rays : budget->milliseconds, budget->rays > 0 ? "rays" : "ms",
+              budget->over, budget->frames);
+    print(rank, "error    outside the gaze %.1f times coarser than viewers resolve at worst, %.2f on average",
+          conductor->predicted.worst, gw_predicted_error_mean(&conductor->predicted));
+    if (out && !conductor->lost_count)
+        print(rank,
+              "look at  %s/wall.png (the wall), %s/wall-bezels.png (as it hangs), tile-*.png (one per rank), "
+              "frames.csv",
+              out, out);
+    if (rank->options.draw.report)
+        print(rank, "report   %s", rank->options.draw.report);
+}
+
+gw_code gw_conductor_finish(gw_conductor *conductor, struct gw_rank *rank, gw_error *error) {
+    const gw_sim_options *options = &rank->options;
+    gw_code code = GW_OK;
+    if (conductor->rows && (ferror(conductor->rows) | fclose(conductor->rows)))
+        code = gw_fail(error, GW_NO_OUTPUT, "%s/frames.csv could not be written to its end", options->out);
+    if (!code && options->save_states)
+        code = gw_states_save(options->save_states, conductor->states, conductor->frame_count, error);
+    gw_report_tiles(conductor->report, &rank->site.layout, conductor->lost_frame);
+    gw_report_frames(conductor->report, conductor->milliseconds, conductor->frame_count);
+    gw_report_counters(conductor->report, &conductor->counters);
+    const gw_frame_state *last = &conductor->states[conductor->frame_count - 1];
+    gw_report_predicted_error(conductor->report, &conductor->predicted, last,
+                              gw_budget_json(&conductor->budget));
+    if (!code)
+        code = gw_renderer_report(rank->renderer, conductor->report, error);
+    if (!code && options->draw.report) {
+        gw_interrupt_hold();
+        code = gw_report_write(conductor->report, options->draw.report, error);
+        gw_interrupt_release();
+    }
+    if (!code && !options->draw.quiet)
+        sum_up(conductor, rank);
+    return code ? code : conductor->lost_count ? GW_TILES_LOST : GW_OK;
+}

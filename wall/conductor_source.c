@@ -1,0 +1,125 @@
+/* What the frames of a run are made from: a track, recorded states, a fixed gaze, a camera path. */
+#include "wall/conductor_internal.h"
+
+#include "base/memory.h"
+#include "render/camera.h"
+#include "wall/rank.h"
+#include "wall/report.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+static gw_code read_track(gw_conductor *conductor, const struct gw_rank *rank, gw_error *error) {
+    const gw_sim_options *options = &rank->options;
+    gw_track_options how = {.log = &rank->line.log};
+    gw_code code = options->track ? gw_track_load(options->track, &how, &conductor->track, error)
+                                  : gw_track_demo(rank->site.layout.size[0], rank->site.layout.size[1],
+                                                  &conductor->track, error);
+    if (code)
+        return code;
+    gw_report_track(conductor->report, conductor->track);
+    int64_t left = conductor->track->duration - conductor->first_time;
+    /* Without the far end: on a track that comes back to its start, the last frame would repeat the first. */
+    if (options->step < 0)
+        conductor->step = left > 0 ? left / conductor->frame_count : 0;
+    return GW_OK;
+}
+
+/* What the frames are made from. */
+gw_code gw_conductor_choose_source(gw_conductor *conductor, const struct gw_rank *rank, gw_error *error) {
+    const gw_sim_options *options = &rank->options;
+    conductor->frame_count = options->frames ? options->frames : 1;
+    gw_budget_init(&conductor->budget, options->budget_ms, options->budget_rays,
+                   options->draw.settings.strain);
+    conductor->first_time = (int64_t)(options->draw.time * 1e9);
+    conductor->step = options->step > 0 ? (int64_t)(options->step * 1e9) : 0;
+    if (options->states) {
+        gw_code code = gw_states_load(options->states, &conductor->recorded, error);
+        if (code)
+            return code;
+        if (!options->frames)
+            conductor->frame_count = (uint32_t)conductor->recorded.count;
+        if (conductor->frame_count > conductor->recorded.count)
+            return gw_fail(error, GW_BAD_INPUT, "%s holds %zu frame states, --frames asks for %" PRIu32,
+                           options->states, conductor->recorded.count, conductor->frame_count);
+        return GW_OK;
+    }
+    if (options->gaze == GW_GAZE_AT_PIXEL)
+        return gw_layout_point(&rank->site.layout, options->gaze_pixel, conductor->stare, error);
+    return options->gaze == GW_GAZE_NONE ? GW_OK : read_track(conductor, rank, error);
+}
+
+/* Every frame looks somewhere: where eye and look_at of a path meet, nothing says where to. */
+static gw_code check_path(const gw_conductor *conductor, const char *name, gw_error *error) {
+    for (uint32_t frame = 0; frame < conductor->frame_count; ++frame) {
+        const double time = (double)(conductor->first_time + (int64_t)frame * conductor->step) * 1e-9;
+        double stand[3], look_at[3];
+        gw_camera_path_at(&conductor->path, time, stand, look_at);
+        if ((float)stand[0] == (float)look_at[0] && (float)stand[1] == (float)look_at[1] &&
+            (float)stand[2] == (float)look_at[2])
+            return gw_fail(
+                error, GW_BAD_INPUT,
+                "path '%s' has no direction at %.3f s (frame %u): eye and look_at are the same point "
+                "%g,%g,%g; move one of them in the keys about that time",
+                name, time, (unsigned)frame, stand[0], stand[1], stand[2]);
+    }
+    return GW_OK;
+}
+
+/* The scene's path is needed longer than rank 0 has the scene. Without --step and a track's pace, frames are
+ * spread over what is left of it. */
+gw_code gw_conductor_take_path(gw_conductor *conductor, const struct gw_rank *rank, gw_error *error) {
+    const gw_camera_path *path = NULL;
+    const gw_sim_options *options = &rank->options;
+    if (!options->path)
+        return GW_OK;
+    gw_code code = gw_camera_path_find(rank->model.scene, options->path, &path, error);
+    if (!code)
+        code = gw_allocate((void **)&conductor->path.keys, path->key_count, sizeof *path->keys, "camera path",
+                           error);
+    if (code)
+        return code;
+    memcpy(conductor->path.keys, path->keys, path->key_count * sizeof *path->keys);
+    conductor->path.key_count = path->key_count;
+    double rest = path->keys[path->key_count - 1].time - options->draw.time;
+    if (options->step < 0)
+        conductor->step =
+            conductor->frame_count > 1 && rest > 0 ? (int64_t)(rest * 1e9 / (conductor->frame_count - 1)) : 0;
+    return check_path(conductor, options->path, error);
+}
+
+static void navigate(const gw_conductor *conductor, gw_frame_state *state) {
+    double stand[3], look_at[3];
+    if (!conductor->path.keys)
+        return;
+    gw_camera_path_at(&conductor->path, (double)state->time * 1e-9, stand, look_at);
+    for (int k = 0; k < 3; k++) {
+        state->stand[k] = (float)stand[k];
+        state->look_at[k] = (float)look_at[k];
+    }
+}
+
+void gw_conductor_make_state(gw_conductor *conductor, const struct gw_rank *rank, uint32_t frame,
+                             gw_frame_state *state) {
+    const gw_draw_options *draw = &rank->options.draw;
+    if (conductor->recorded.count) {
+        *state = conductor->recorded.states[frame];
+        return;
+    }
+    gw_frame_begin(state, frame, &draw->settings, draw->seed, draw->debug);
+    int64_t time = conductor->first_time + (int64_t)frame * conductor->step;
+    if (conductor->track) {
+        gw_frame_look(state, conductor->track, time, rank->site.layout.eye, &draw->settings);
+    } else {
+        gw_frame_stare(state, rank->site.layout.eye,
+                       rank->options.gaze == GW_GAZE_AT_PIXEL ? conductor->stare : NULL, &draw->settings);
+        state->time = time;
+    }
+    navigate(conductor, state);
+    if (gw_budget_is_on(&conductor->budget))
+        state->strain = gw_budget_strain(&conductor->budget);
+    const gw_frame_state *before = frame ? &conductor->states[frame - 1] : NULL;
+    if (draw->settings.accumulate > 1)
+        gw_frame_hold(state, before, rank->options.still[0], rank->options.still[1]);
+    gw_frame_accumulate(state, before, conductor->scene_moves);
+}

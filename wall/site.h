@@ -1,0 +1,61 @@
+/* The site: the wall as built. Where its tiles hang (wall/layout.h), which machine, GPU and display drives
+ * each panel, what the panels are like, how long what is waited for. From a site file (docs/sites.md) or made
+ * up for a wall that is simulated. A plain value without pointers, so that rank 0 can send it to every rank
+ * as bytes. Any thread. */
+#ifndef GW_WALL_SITE_H
+#define GW_WALL_SITE_H
+
+#include "base/status.h"
+#include "wall/layout.h"
+
+#include <stdint.h>
+
+/* How a panel shows two eyes (docs/sites.md). */
+typedef enum gw_stereo {
+    GW_STEREO_MONO,
+    GW_STEREO_SIDE_BY_SIDE, /* left half, right half */
+    GW_STEREO_TOP_BOTTOM,
+    GW_STEREO_ANAGLYPH,      /* red for the left eye, cyan for the right */
+    GW_STEREO_ROW_INTERLACE, /* rows 0, 2, ... of the wall for the left eye */
+    GW_STEREO_LEFT,          /* one of two tiles that hang in one place: this one is for the left eye */
+    GW_STEREO_RIGHT
+} gw_stereo;
+
+/* What drives a tile, and what its panel does with light. */
+typedef struct gw_panel {
+    char host[64];     /* name or address as ssh takes it; "": the machine of the launcher */
+    char display[64];  /* X display, as ":0.1"; "": none, the tile is drawn headless */
+    char monitor[32];  /* connector, as "DP-1", for a full screen; "": a window */
+    int32_t gpu;       /* index of the EGL device for headless tiles; -1: the first that serves */
+    int32_t window[2]; /* px, top left corner of the window on its display; of the tile's size */
+    uint32_t stereo;   /* gw_stereo */
+    double gamma;      /* exponent of the panel, 1 to 4; 0: sRGB as it comes out of the renderer */
+    double white[3];   /* gains of red, green and blue, 0.1 to 1 */
+    double brightness; /* gain of all three, 0.1 to 1 */
+} gw_panel;
+
+/* Where the wall's own network traffic and its times are agreed on. */
+typedef struct gw_site_times {
+    double load;    /* s, until all ranks must be ready */
+    double frame;   /* s, after which a frame goes without a late tile; 0: 3 periods of `refresh` */
+    double death;   /* s without a word after which a tile is lost */
+    double refresh; /* Hz, of the panels */
+} gw_site_times;
+
+typedef struct gw_site {
+    gw_layout layout;
+    gw_panel panels[GW_MAXIMUM_TILES]; /* panel i is tile i's */
+    gw_site_times times;
+    char address[64];    /* of the interface on which rank 0 takes tiles that come back; "": loopback */
+    char tracker[256];   /* source of head and gaze when the command line names none; "": none */
+    double eye_distance; /* mm between a viewer's eyes, for stereo; 0 to 100 */
+    double fly_speed;    /* m/s of the scene, of navigation by keys; 0: none */
+} gw_site;
+
+/* One machine, headless, mono panels that show sRGB as it is. Leaves layout alone. */
+void gw_site_defaults(gw_site *site);
+
+/* Reads a site file. */
+gw_code gw_site_load(const char *path, gw_site *out, gw_error *error);
+
+#endif

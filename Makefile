@@ -35,8 +35,10 @@ endif
 
 GOALS := $(or $(MAKECMDGOALS),all)
 SETUP_GROUPS := run
+SETUP_EXTRA := :
 ifneq ($(filter test tests hard,$(GOALS)),)
 SETUP_GROUPS += test
+SETUP_EXTRA := .ci/setup --try extra >&2
 endif
 # demo, test and setup may install; a plain build only says what is missing.
 SETUP_CHECK := --check
@@ -50,7 +52,7 @@ SETUP_STAMP := $(OUT)/setup-$(subst $() ,-,$(strip $(SETUP_GROUPS)))
 ifneq ($(filter-out clean help format setup,$(GOALS)),)
 $(shell mkdir -p $(OUT); \
 	[ $(SETUP_STAMP) -nt .ci/packages ] && [ $(SETUP_STAMP) -nt .ci/setup ] || \
-	{ .ci/setup $(SETUP_CHECK) $(SETUP_GROUPS) >&2 && touch $(SETUP_STAMP); })
+	{ .ci/setup $(SETUP_CHECK) $(SETUP_GROUPS) >&2 && $(SETUP_EXTRA) && touch $(SETUP_STAMP); })
 ifneq ($(.SHELLSTATUS),0)
 $(error Packages are missing)
 endif
@@ -125,12 +127,13 @@ help:
 	@echo "make docs        write docs/settings.md from the table of settings"
 	@echo "make demo-track  write configs/tracks/demo.vrpn anew from its formula"
 	@echo "make install     PREFIX=$(PREFIX) DESTDIR=$(DESTDIR)"
-	@echo "make setup       only install what is missing (GROUPS of .ci/packages: run test lint)"
+	@echo "make setup       only install what is missing (groups of .ci/packages: run test lint extra)"
 	@echo "make clean       remove $(OUT)"
 	@echo "variables        OUT=folder FLAVOUR=release|debug|asan V=1 (show commands) WERROR=1 CC CFLAGS"
 
 setup:
 	$(quiet).ci/setup run test lint
+	$(quiet).ci/setup --try extra
 
 demo: all
 	$(quiet)mkdir -p $(OUT)/demo

@@ -18,8 +18,11 @@ typedef enum gw_stereo {
     GW_STEREO_ANAGLYPH,      /* red for the left eye, cyan for the right */
     GW_STEREO_ROW_INTERLACE, /* rows 0, 2, ... of the wall for the left eye */
     GW_STEREO_LEFT,          /* one of two tiles that hang in one place: this one is for the left eye */
-    GW_STEREO_RIGHT
+    GW_STEREO_RIGHT,
+    GW_STEREO_COUNT
 } gw_stereo;
+
+extern const char *const gw_stereo_names[GW_STEREO_COUNT]; /* as site files write them */
 
 /* What drives a tile, and what its panel does with light. */
 typedef struct gw_panel {

@@ -1,31 +1,56 @@
 /* Site files: YAML to site. The format is docs/sites.md; every key not listed here is an error. */
-#include "wall/site.h"
+#include "wall/site_internal.h"
 
-#include "base/yaml.h"
-
+#include <arpa/inet.h>
 #include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
-
-static gw_code read_map(const gw_yaml_node *node, const char *key, const char *const *names, size_t count,
-                        gw_error *error) {
+gw_code gw_site_map(const gw_yaml_node *node, const char *key, const char *const *names, size_t count,
+                    gw_error *error) {
     gw_code code = gw_yaml_expect(node, GW_YAML_MAP, key, error);
     return code ? code : gw_yaml_check_keys(node, names, count, error);
 }
 
-/* The value of a key that must be there. */
-static gw_code require(const gw_yaml_node *map, const char *key, const gw_yaml_node **out, gw_error *error) {
+gw_code gw_site_require(const gw_yaml_node *map, const char *key, const gw_yaml_node **out, gw_error *error) {
     *out = gw_yaml_find(map, key);
     return *out ? GW_OK : gw_yaml_fail(map, error, "key '%s' is missing here", key);
+}
+
+gw_code gw_site_number(const gw_yaml_node *map, const char *key, double minimum, double maximum, double *out,
+                       gw_error *error) {
+    const gw_yaml_node *node = gw_yaml_find(map, key);
+    return node ? gw_yaml_number(node, key, minimum, maximum, out, error) : GW_OK;
+}
+
+gw_code gw_site_text(const gw_yaml_node *map, const char *key, const char *others, size_t size, char *out,
+                     gw_error *error) {
+    const gw_yaml_node *node = gw_yaml_find(map, key);
+    if (!node)
+        return GW_OK;
+    gw_code code = gw_yaml_expect(node, GW_YAML_SCALAR, key, error);
+    if (code)
+        return code;
+    const char *text = gw_yaml_text(node);
+    size_t length = strlen(text);
+    if (length < 1 || length >= size)
+        return gw_yaml_fail(node, error, "key '%s': %zu characters; expected 1 to %zu", key, length,
+                            size - 1);
+    for (size_t i = 0; i < length; i++)
+        if (!isalnum((unsigned char)text[i]) && !strchr(others, text[i]))
+            return gw_yaml_fail(node, error,
+                                "key '%s': '%.60s' has a character that cannot be here; expected letters, "
+                                "digits and any of %s",
+                                key, text, others);
+    memcpy(out, text, length + 1);
+    return GW_OK;
 }
 
 /* [width, height] in whole pixels. */
 static gw_code read_pixels(const gw_yaml_node *map, const char *key, uint32_t out[2], gw_error *error) {
     const gw_yaml_node *node;
-    gw_code code = require(map, key, &node, error);
+    gw_code code = gw_site_require(map, key, &node, error);
     if (!code)
         code = gw_yaml_expect(node, GW_YAML_LIST, key, error);
     if (!code && gw_yaml_count(node) != 2)
@@ -43,11 +68,11 @@ static gw_code read_grid_tile(const gw_yaml_node *map, gw_grid *grid, gw_error *
     const gw_yaml_node *tile, *node;
     uint32_t pixels[2] = {0, 0};
     double size[2] = {0, 0};
-    gw_code code = require(map, "tile", &tile, error);
+    gw_code code = gw_site_require(map, "tile", &tile, error);
     if (!code)
-        code = read_map(tile, "tile", names, COUNT(names), error);
+        code = gw_site_map(tile, "tile", names, GW_COUNT(names), error);
     for (int i = 0; i < 2 && !code; i++) {
-        code = require(tile, names[i], &node, error);
+        code = gw_site_require(tile, names[i], &node, error);
         if (!code)
             code = gw_yaml_number(node, names[i], 1, 1e5, &size[i], error);
     }
@@ -70,8 +95,8 @@ static gw_code read_bezel(const gw_yaml_node *map, gw_grid *grid, gw_error *erro
     const gw_yaml_node *bezel = gw_yaml_find(map, "bezel");
     if (!bezel)
         return GW_OK;
-    gw_code code = read_map(bezel, "bezel", names, COUNT(names), error);
-    for (size_t i = 0; i < COUNT(names) && !code; i++) {
+    gw_code code = gw_site_map(bezel, "bezel", names, GW_COUNT(names), error);
+    for (size_t i = 0; i < GW_COUNT(names) && !code; i++) {
         const gw_yaml_node *node = gw_yaml_find(bezel, names[i]);
         if (node)
             code = gw_yaml_number(node, names[i], 0, 1e4, sides[i], error);
@@ -83,12 +108,12 @@ static gw_code read_grid(const gw_yaml_node *map, const double eye[3], gw_layout
     static const char *const names[] = {"columns", "rows", "tile", "bezel"};
     gw_grid grid = {0};
     memcpy(grid.eye, eye, sizeof grid.eye);
-    gw_code code = read_map(map, "grid", names, COUNT(names), error);
+    gw_code code = gw_site_map(map, "grid", names, GW_COUNT(names), error);
     uint32_t *const counts[] = {&grid.columns, &grid.rows};
     for (size_t i = 0; i < 2 && !code; i++) {
         const gw_yaml_node *node;
         long value = 0;
-        code = require(map, names[i], &node, error);
+        code = gw_site_require(map, names[i], &node, error);
         if (!code)
             code = gw_yaml_integer(node, names[i], 1, GW_MAXIMUM_TILES, &value, error);
         *counts[i] = (uint32_t)value;
@@ -106,7 +131,7 @@ static gw_code read_grid(const gw_yaml_node *map, const double eye[3], gw_layout
 
 static gw_code read_name(const gw_yaml_node *map, const gw_layout *layout, char name[32], gw_error *error) {
     const gw_yaml_node *node;
-    gw_code code = require(map, "name", &node, error);
+    gw_code code = gw_site_require(map, "name", &node, error);
     if (!code)
         code = gw_yaml_expect(node, GW_YAML_SCALAR, "name", error);
     if (code)
@@ -131,7 +156,7 @@ static gw_code read_name(const gw_yaml_node *map, const gw_layout *layout, char 
 static gw_code read_corners(const gw_yaml_node *map, gw_tile *tile, gw_error *error) {
     const gw_yaml_node *node;
     double corners[3][3];
-    gw_code code = require(map, "corners", &node, error);
+    gw_code code = gw_site_require(map, "corners", &node, error);
     if (!code)
         code = gw_yaml_expect(node, GW_YAML_LIST, "corners", error);
     if (!code && gw_yaml_count(node) != 3)
@@ -169,7 +194,7 @@ static gw_code read_corners(const gw_yaml_node *map, gw_tile *tile, gw_error *er
 static gw_code read_place(const gw_yaml_node *map, gw_tile *tile, gw_error *error) {
     const gw_yaml_node *node;
     double place[2] = {0, 0};
-    gw_code code = require(map, "place", &node, error);
+    gw_code code = gw_site_require(map, "place", &node, error);
     if (!code)
         code = gw_yaml_numbers(node, "place", 2, place, error);
     for (int i = 0; i < 2 && !code; i++) {
@@ -189,10 +214,10 @@ static int overlap(const gw_tile *a, const gw_tile *b) {
 }
 
 static gw_code read_tile(const gw_yaml_node *map, gw_layout *out, gw_error *error) {
-    static const char *const names[] = {"name", "corners", "pixels", "place"};
+    static const char *const names[] = {"name", "corners", "pixels", "place", "panel"};
     gw_tile *tile = &out->tiles[out->tile_count];
     uint32_t pixels[2] = {0, 0};
-    gw_code code = read_map(map, "tiles", names, COUNT(names), error);
+    gw_code code = gw_site_map(map, "tiles", names, GW_COUNT(names), error);
     if (!code)
         code = read_name(map, out, tile->name, error);
     if (!code)
@@ -214,7 +239,8 @@ static gw_code read_tile(const gw_yaml_node *map, gw_layout *out, gw_error *erro
     return GW_OK;
 }
 
-static gw_code read_tiles(const gw_yaml_node *list, const double eye[3], gw_layout *out, gw_error *error) {
+static gw_code read_tiles(gw_site_source *source, const gw_yaml_node *list, const double eye[3],
+                          gw_layout *out, gw_error *error) {
     memset(out, 0, sizeof *out);
     memcpy(out->eye, eye, sizeof out->eye);
     gw_code code = gw_yaml_expect(list, GW_YAML_LIST, "tiles", error);
@@ -225,7 +251,7 @@ static gw_code read_tiles(const gw_yaml_node *list, const double eye[3], gw_layo
         return gw_yaml_fail(list, error, "key 'tiles': a wall has 1 to %d tiles, not %zu", GW_MAXIMUM_TILES,
                             count);
     for (size_t i = 0; i < count && !code; i++)
-        code = read_tile(gw_yaml_item(list, i), out, error);
+        code = read_tile(source->tiles[i] = gw_yaml_item(list, i), out, error);
     if (code)
         return code;
     gw_error inner = {0};
@@ -233,26 +259,94 @@ static gw_code read_tiles(const gw_yaml_node *list, const double eye[3], gw_layo
     return code ? gw_yaml_fail(list, error, "key 'tiles': %s", inner.text) : GW_OK;
 }
 
-static gw_code read_site(const gw_yaml_node *root, gw_layout *out, gw_error *error) {
-    static const char *const names[] = {"version", "eye", "grid", "tiles"};
-    const gw_yaml_node *node;
-    long version = 0;
+static gw_code read_layout(gw_site_source *source, gw_layout *out, gw_error *error) {
+    const gw_yaml_node *node = gw_yaml_find(source->root, "eye");
     double eye[3] = {0, 0, 1800};
-    gw_code code = read_map(root, "site", names, COUNT(names), error);
-    if (!code)
-        code = require(root, "version", &node, error);
-    if (!code)
-        code = gw_yaml_integer(node, "version", 1, 1, &version, error);
-    node = code ? NULL : gw_yaml_find(root, "eye");
-    if (node)
-        code = gw_yaml_numbers(node, "eye", 3, eye, error);
+    gw_code code = node ? gw_yaml_numbers(node, "eye", 3, eye, error) : GW_OK;
     if (code)
         return code;
-    const gw_yaml_node *grid = gw_yaml_find(root, "grid"), *tiles = gw_yaml_find(root, "tiles");
+    const gw_yaml_node *grid = gw_yaml_find(source->root, "grid"),
+                       *tiles = gw_yaml_find(source->root, "tiles");
     if (!grid == !tiles)
-        return gw_yaml_fail(root, error, "a site has either 'grid' or 'tiles'; this one has %s",
+        return gw_yaml_fail(source->root, error, "a site has either 'grid' or 'tiles'; this one has %s",
                             grid ? "both" : "neither");
-    return grid ? read_grid(grid, eye, out, error) : read_tiles(tiles, eye, out, error);
+    if (tiles)
+        return read_tiles(source, tiles, eye, out, error);
+    code = read_grid(grid, eye, out, error);
+    for (uint32_t t = 0; t < out->tile_count && !code; t++)
+        source->tiles[t] = grid;
+    return code;
+}
+
+static gw_code read_times(const gw_yaml_node *root, gw_site_times *out, gw_error *error) {
+    static const char *const names[] = {"load", "frame", "death", "refresh"};
+    const gw_yaml_node *map = gw_yaml_find(root, "times");
+    if (!map)
+        return GW_OK;
+    gw_code code = gw_site_map(map, "times", names, GW_COUNT(names), error);
+    if (!code)
+        code = gw_site_number(map, "load", 1, 86400, &out->load, error);
+    if (!code)
+        code = gw_site_number(map, "frame", 0.001, 60, &out->frame, error);
+    if (!code)
+        code = gw_site_number(map, "death", 0.2, 600, &out->death, error);
+    if (!code)
+        code = gw_site_number(map, "refresh", 1, 1000, &out->refresh, error);
+    if (!code && out->death <= out->frame)
+        return gw_yaml_fail(map, error,
+                            "key 'times': a tile would be lost after %g s, before it is late after %g s; "
+                            "'death' must be greater than 'frame'",
+                            out->death, out->frame);
+    return code;
+}
+
+static gw_code read_network(const gw_yaml_node *root, char out[64], gw_error *error) {
+    static const char *const names[] = {"address"};
+    const gw_yaml_node *map = gw_yaml_find(root, "network");
+    if (!map)
+        return GW_OK;
+    struct in6_addr bytes;
+    gw_code code = gw_site_map(map, "network", names, GW_COUNT(names), error);
+    if (!code)
+        code = gw_site_text(map, "address", ".:", 64, out, error);
+    if (!code && out[0] && inet_pton(AF_INET, out, &bytes) != 1 && inet_pton(AF_INET6, out, &bytes) != 1)
+        return gw_yaml_fail(gw_yaml_find(map, "address"), error,
+                            "key 'address': '%s' is no address; expected one of this machine's own, as "
+                            "10.0.0.1",
+                            out);
+    return code;
+}
+
+static gw_code read_viewer(const gw_yaml_node *root, gw_site *out, gw_error *error) {
+    static const char *const names[] = {"fly_speed"};
+    const gw_yaml_node *map = gw_yaml_find(root, "navigation");
+    gw_code code = gw_site_number(root, "eye_distance", 0, 100, &out->eye_distance, error);
+    if (!code)
+        code = gw_site_text(root, "tracker", "-._:/@+,=%~ ", sizeof out->tracker, out->tracker, error);
+    if (!code && map)
+        code = gw_site_map(map, "navigation", names, GW_COUNT(names), error);
+    return code || !map ? code : gw_site_number(map, "fly_speed", 0, 1e6, &out->fly_speed, error);
+}
+
+static gw_code read_site(gw_site_source *source, gw_site *out, gw_error *error) {
+    static const char *const names[] = {"version", "eye",   "eye_distance", "tracker", "navigation", "times",
+                                        "network", "panel", "panels",       "hosts",   "grid",       "tiles"};
+    const gw_yaml_node *node, *root = source->root;
+    long version = 0;
+    gw_code code = gw_site_map(root, "site", names, GW_COUNT(names), error);
+    if (!code)
+        code = gw_site_require(root, "version", &node, error);
+    if (!code)
+        code = gw_yaml_integer(node, "version", 1, 1, &version, error);
+    if (!code)
+        code = read_layout(source, &out->layout, error);
+    if (!code)
+        code = gw_site_read_panels(source, out, error);
+    if (!code)
+        code = read_times(root, &out->times, error);
+    if (!code)
+        code = read_network(root, out->address, error);
+    return code ? code : read_viewer(root, out, error);
 }
 
 gw_code gw_site_load(const char *path, gw_site *out, gw_error *error) {
@@ -260,8 +354,10 @@ gw_code gw_site_load(const char *path, gw_site *out, gw_error *error) {
     gw_site_defaults(out);
     gw_yaml *document = NULL;
     gw_code code = gw_yaml_load(path, &document, error);
-    if (!code)
-        code = read_site(gw_yaml_root(document), &out->layout, error);
+    if (!code) {
+        gw_site_source source = {.root = gw_yaml_root(document)};
+        code = read_site(&source, out, error);
+    }
     gw_yaml_destroy(&document);
     return code;
 }

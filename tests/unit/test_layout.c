@@ -136,6 +136,51 @@ static void shipped_sites_load(void **state) {
     assert_true(layout->framed[0] > layout->picture[0] && layout->framed[1] > layout->picture[1]);
 }
 
+static const char driven_site[] =
+    "version: 1\n"
+    "eye_distance: 65\n"
+    "tracker: vrpn:Head@10.0.0.9:3883\n"
+    "navigation: {fly_speed: 1.5}\n"
+    "network: {address: 10.0.0.1}\n"
+    "times: {load: 30, frame: 0.1, death: 3, refresh: 120}\n"
+    "panel: {gamma: 2.2, display: ':0'}\n"
+    "hosts:\n"
+    "  - {name: one, tiles: [c0r*], panel: {display: ':1.1', brightness: 0.5}}\n"
+    "  - {name: two, tiles: [c1r0]}\n"
+    "panels:\n"
+    "  c0r1: {monitor: DP-2, window: [-5, 7], white: [1, 0.5, 0.25]}\n"
+    "  c1r1: {gpu: 3, stereo: row-interlace, gamma: srgb}\n"
+    "grid: {columns: 2, rows: 2,\n"
+    "       tile: {width: 400, height: 300, pixels: [40, 30]}}\n";
+
+static void panels_are_laid_over_each_other(void **state) {
+    (void)state;
+    char path[512];
+    gw_site site;
+    const gw_panel *panels = site.panels;
+    scratch_path(path, "driven.yaml");
+    check_ok(gw_file_write(path, driven_site, sizeof driven_site - 1, &error));
+    check_ok(gw_site_load(path, &site, &error));
+    remove(path);
+    assert_true(site.eye_distance == 65 && site.fly_speed == 1.5);
+    assert_string_equal(site.tracker, "vrpn:Head@10.0.0.9:3883");
+    assert_string_equal(site.address, "10.0.0.1");
+    assert_true(site.times.load == 30 && site.times.frame == 0.1 && site.times.death == 3 &&
+                site.times.refresh == 120);
+    assert_string_equal(panels[0].host, "one");
+    assert_string_equal(panels[1].host, "two");
+    assert_string_equal(panels[2].host, "one");
+    assert_string_equal(panels[3].host, "");
+    assert_string_equal(panels[0].display, ":1.1");
+    assert_string_equal(panels[1].display, ":0");
+    assert_true(panels[0].brightness == 0.5 && panels[1].brightness == 1 && panels[2].brightness == 0.5);
+    assert_string_equal(panels[2].monitor, "DP-2");
+    assert_true(panels[2].window[0] == -5 && panels[2].window[1] == 7 && panels[2].white[2] == 0.25);
+    assert_true(panels[2].gamma == 2.2 && panels[3].gamma == 0 && panels[3].gpu == 3 && panels[0].gpu == -1);
+    assert_int_equal(panels[3].stereo, GW_STEREO_ROW_INTERLACE);
+    assert_int_equal(panels[0].stereo, GW_STEREO_MONO);
+}
+
 static void pictures_are_assembled(void **state) {
     (void)state;
     gw_layout layout = layout_of(2, 1, 8, 4, 500); /* 250 mm a pixel: bezels of 2 px */
@@ -166,10 +211,10 @@ static void pictures_are_assembled(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(splits_are_even_and_complete),   cmocka_unit_test(a_split_is_one_plane),
-        cmocka_unit_test(bezels_are_gaps_between_planes), cmocka_unit_test(a_pixel_has_a_point),
-        cmocka_unit_test(measured_corners_are_kept),      cmocka_unit_test(shipped_sites_load),
-        cmocka_unit_test(pictures_are_assembled),
+        cmocka_unit_test(splits_are_even_and_complete),    cmocka_unit_test(a_split_is_one_plane),
+        cmocka_unit_test(bezels_are_gaps_between_planes),  cmocka_unit_test(a_pixel_has_a_point),
+        cmocka_unit_test(measured_corners_are_kept),       cmocka_unit_test(shipped_sites_load),
+        cmocka_unit_test(panels_are_laid_over_each_other), cmocka_unit_test(pictures_are_assembled),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,14 +1,15 @@
-/* The GL device: one OpenGL 4.5 core context without a window (EGL), its limits, programs from the embedded
- * shader library, buffers, and a clock that works on software GL too.
+/* The GL device: one OpenGL 4.5 core context, without a window (EGL) or of a window (base/window.h), its
+ * limits, programs from the embedded shader library, buffers, and a clock that works on software GL too. What
+ * is drawn depends on the driver, not on whether there is a window.
  *
- * A device belongs to the thread that created it. GLFW windows share this code's programs and buffers through
- * the same calls (wall/ owns windows). Everything made here must be destroyed before its device. Limits are
+ * A device belongs to the thread that created it. Everything made here must be destroyed before its device. Limits are
  * data: ask gw_gl_limits, never the vendor string. */
 #ifndef GW_BASE_GL_H
 #define GW_BASE_GL_H
 
 #include "base/log.h"
 #include "base/status.h"
+#include "base/window.h"
 
 #include <epoxy/gl.h>
 #include <stddef.h>
@@ -32,13 +33,25 @@ typedef struct gw_gl_options {
     const char *shader_folder; /* read shaders here instead of the embedded ones; NULL: embedded */
     int debug;                 /* 1: debug context, driver messages go to the log */
     const gw_log *log;         /* must outlive the device */
+    const gw_window_options *window; /* make this window, which the device then owns; NULL: none */
+    int choose_gpu;                  /* 1, without a window: on the EGL device `gpu` and no other */
+    int32_t gpu;                     /* its index, from 0 (gw_gl_list_gpus) */
 } gw_gl_options;
 
-/* GW_MACHINE when there is no EGL device that gives 4.5 core. Leaves the context current on this thread. */
+/* GW_MACHINE when there is no window, or no EGL device that gives 4.5 core. Leaves the context current on
+ * this thread. */
 gw_code gw_gl_create(const gw_gl_options *options, gw_gl **out, gw_error *error);
 void gw_gl_destroy(gw_gl **device); /* accepts NULL and a NULL device */
 const gw_gl_limits *gw_gl_limits_of(const gw_gl *device);
 const gw_log *gw_gl_log(const gw_gl *device);
+gw_window *gw_gl_window(const gw_gl *device); /* the one it owns, or NULL */
+
+/* The GPUs (and software) that EGL lists, by index; 0 when it cannot list any. Needs no device. */
+enum { GW_GL_MAXIMUM_GPUS = 16 };
+typedef struct gw_gl_gpu {
+    char name[256]; /* what EGL tells about it, and its device file */
+} gw_gl_gpu;
+size_t gw_gl_list_gpus(gw_gl_gpu out[GW_GL_MAXIMUM_GPUS]);
 
 /* Bytes of the buffers that exist on the device, and the most that existed at once since the peak was reset.
  * Textures and the driver's own memory are not in it. */

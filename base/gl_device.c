@@ -1,131 +1,12 @@
-/* The context: which EGL display gives one, its limits, waiting and errors.
- *
- * Displays are tried in order: each EGL device (a GPU's device comes before the software one), the
- * surfaceless platform, the default display. A display is never terminated: EGL hands the same one to
- * everybody in the process who asks, so terminating it would kill the contexts of others; it costs nothing to
- * keep until the process ends. */
+/* The device: a context by EGL (base/gl_egl.c) or that of a window (base/window.h), its limits, waiting and
+ * errors. */
 #include "base/gl_private.h"
 
 #include "base/memory.h"
 
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { MAXIMUM_EGL_DEVICES = 16 };
-
-/* What was tried and why it failed, for the error when nothing is left. */
-typedef struct attempts {
-    char text[1024];
-    size_t length;
-} attempts;
-
-__attribute__((format(printf, 2, 3))) static void note_attempt(attempts *tried, const char *format, ...) {
-    size_t room = sizeof tried->text - tried->length;
-    va_list arguments;
-    va_start(arguments, format);
-    int length = vsnprintf(tried->text + tried->length, room, format, arguments);
-    va_end(arguments);
-    if (length > 0) {
-        tried->length += (size_t)length < room ? (size_t)length : room - 1;
-    }
-}
-
-static const char *egl_error_text(void) {
-    switch (eglGetError()) {
-    case EGL_NOT_INITIALIZED:
-        return "not initialised";
-    case EGL_BAD_ACCESS:
-        return "no access";
-    case EGL_BAD_ALLOC:
-        return "out of memory";
-    case EGL_BAD_MATCH:
-        return "no OpenGL 4.5 core";
-    case EGL_BAD_ATTRIBUTE:
-        return "context attributes not supported";
-    case EGL_BAD_CONFIG:
-        return "contexts without a config not supported";
-    default:
-        return "unknown EGL error";
-    }
-}
-
-/* Makes a context on a display and makes it current; 1 on success. */
-static int try_display(gw_gl *device, EGLDisplay display, const char *what, int debug, attempts *tried) {
-    if (display == EGL_NO_DISPLAY) {
-        note_attempt(tried, "; %s: no display", what);
-        return 0;
-    }
-    if (!eglInitialize(display, NULL, NULL)) {
-        note_attempt(tried, "; %s: %s", what, egl_error_text());
-        return 0;
-    }
-    const char *needed[] = {"EGL_KHR_create_context", "EGL_KHR_no_config_context",
-                            "EGL_KHR_surfaceless_context"};
-    for (size_t i = 0; i < sizeof needed / sizeof needed[0]; i++) {
-        if (!epoxy_has_egl_extension(display, needed[i])) {
-            note_attempt(tried, "; %s: lacks %s", what, needed[i]);
-            return 0;
-        }
-    }
-    if (!eglBindAPI(EGL_OPENGL_API)) {
-        note_attempt(tried, "; %s: no desktop OpenGL", what);
-        return 0;
-    }
-    const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
-                                 4,
-                                 EGL_CONTEXT_MINOR_VERSION,
-                                 5,
-                                 EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                 EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                 EGL_CONTEXT_FLAGS_KHR,
-                                 debug ? EGL_CONTEXT_OPENGL_DEBUG_BIT_KHR : 0,
-                                 EGL_NONE};
-    EGLContext context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
-    if (context == EGL_NO_CONTEXT) {
-        note_attempt(tried, "; %s: %s", what, egl_error_text());
-        return 0;
-    }
-    if (!eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context)) {
-        note_attempt(tried, "; %s: %s", what, egl_error_text());
-        eglDestroyContext(display, context);
-        return 0;
-    }
-    device->display = display;
-    device->context = context;
-    return 1;
-}
-
-static int try_egl_devices(gw_gl *device, int debug, attempts *tried) {
-    EGLDeviceEXT found[MAXIMUM_EGL_DEVICES];
-    EGLint count = 0;
-    if (!epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_platform_device") ||
-        !epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_device_enumeration") ||
-        !eglQueryDevicesEXT(MAXIMUM_EGL_DEVICES, found, &count)) {
-        note_attempt(tried, "; EGL devices: cannot be listed");
-        return 0;
-    }
-    for (EGLint i = 0; i < count; i++) {
-        char what[32];
-        snprintf(what, sizeof what, "EGL device %d", (int)i);
-        if (try_display(device, eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, found[i], NULL), what,
-                        debug, tried)) {
-            return 1;
-        }
-    }
-    return 0;
-}
-
-static int try_surfaceless(gw_gl *device, int debug, attempts *tried) {
-    if (!epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless")) {
-        note_attempt(tried, "; surfaceless platform: not offered");
-        return 0;
-    }
-    return try_display(device,
-                       eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL),
-                       "surfaceless platform", debug, tried);
-}
 
 static void GLAPIENTRY on_driver_message(GLenum source, GLenum type, GLuint id, GLenum severity,
                                          GLsizei length, const GLchar *message, const void *user) {
@@ -181,25 +62,15 @@ static void ask_limits(gw_gl_limits *limits) {
     limits->software = is_software(limits->renderer);
 }
 
-static gw_code open_context(gw_gl *device, int debug, gw_error *error) {
-    attempts tried = {0};
-    if (!epoxy_has_egl()) {
-        return gw_fail(error, GW_MACHINE,
-                       "there is no EGL library; install libegl1 and a driver such as libgl1-mesa-dri");
-    }
-    if (!try_egl_devices(device, debug, &tried) && !try_surfaceless(device, debug, &tried) &&
-        !try_display(device, eglGetDisplay(EGL_DEFAULT_DISPLAY), "default display", debug, &tried)) {
-        return gw_fail(
-            error, GW_MACHINE,
-            "no EGL display gives an OpenGL 4.5 core context; install a driver such as libgl1-mesa-dri "
-            "(tried: %s)",
-            tried.length > 2 ? tried.text + 2 : "nothing");
-    }
-    if (epoxy_gl_version() < 45) {
-        return gw_fail(error, GW_MACHINE, "the GL driver gives %s, OpenGL 4.5 core is needed",
+static gw_code open_context(gw_gl *device, const gw_gl_options *options, gw_error *error) {
+    gw_code code = options && options->window
+                       ? gw_window_create(options->window, &device->window, error)
+                       : gw_gl_egl_open(device, options && options->debug,
+                                        options && options->choose_gpu ? &options->gpu : NULL, error);
+    if (!code && epoxy_gl_version() < 45)
+        code = gw_fail(error, GW_MACHINE, "the GL driver gives %s, OpenGL 4.5 core is needed",
                        (const char *)glGetString(GL_VERSION));
-    }
-    return GW_OK;
+    return code;
 }
 
 gw_code gw_gl_create(const gw_gl_options *options, gw_gl **out, gw_error *error) {
@@ -219,7 +90,7 @@ gw_code gw_gl_create(const gw_gl_options *options, gw_gl **out, gw_error *error)
         }
     }
     if (!code) {
-        code = open_context(device, options && options->debug, error);
+        code = open_context(device, options, error);
     }
     if (code) {
         gw_gl_destroy(&device);
@@ -242,12 +113,12 @@ void gw_gl_destroy(gw_gl **device) {
         return;
     }
     gw_gl *gone = *device;
-    if (gone->context != EGL_NO_CONTEXT) {
+    if (gone->context != EGL_NO_CONTEXT || gone->window) {
         gw_gl_pool_stop(gone);
         gw_gl_programs_finish(gone);
-        eglMakeCurrent(gone->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-        eglDestroyContext(gone->display, gone->context);
     }
+    gw_gl_egl_close(gone);
+    gw_window_destroy(&gone->window);
     free(gone->shader_folder);
     free(gone);
     *device = NULL;
@@ -255,6 +126,10 @@ void gw_gl_destroy(gw_gl **device) {
 
 const gw_gl_limits *gw_gl_limits_of(const gw_gl *device) {
     return &device->limits;
+}
+
+gw_window *gw_gl_window(const gw_gl *device) {
+    return device->window;
 }
 
 const gw_log *gw_gl_log(const gw_gl *device) {

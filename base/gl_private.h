@@ -27,7 +27,8 @@ typedef struct gw_gl_pool {
 
 struct gw_gl {
     EGLDisplay display;
-    EGLContext context;
+    EGLContext context; /* without a window, else EGL_NO_CONTEXT */
+    gw_window *window;  /* whose context it is, or NULL */
     gw_gl_limits limits;
     const gw_log *log;
     char *shader_folder; /* NULL: embedded */
@@ -36,6 +37,11 @@ struct gw_gl {
     gw_gl_pool pool;
     gw_gl_usage usage;
 };
+
+/* Makes a context without a window and makes it current; gpu: the index of the EGL device, NULL: the first
+ * display that serves. */
+gw_code gw_gl_egl_open(gw_gl *device, int debug, const int32_t *gpu, gw_error *error);
+void gw_gl_egl_close(gw_gl *device);
 
 /* Deletes all programs and frees the cache. */
 void gw_gl_programs_finish(gw_gl *device);

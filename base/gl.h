@@ -2,8 +2,8 @@
  * limits, programs from the embedded shader library, buffers, and a clock that works on software GL too. What
  * is drawn depends on the driver, not on whether there is a window.
  *
- * A device belongs to the thread that created it. Everything made here must be destroyed before its device. Limits are
- * data: ask gw_gl_limits, never the vendor string. */
+ * A device belongs to the thread that created it. Everything made here must be destroyed before its device.
+ * Limits are data: ask gw_gl_limits, never the vendor string. */
 #ifndef GW_BASE_GL_H
 #define GW_BASE_GL_H
 
@@ -30,9 +30,9 @@ typedef struct gw_gl_limits {
 } gw_gl_limits;
 
 typedef struct gw_gl_options {
-    const char *shader_folder; /* read shaders here instead of the embedded ones; NULL: embedded */
-    int debug;                 /* 1: debug context, driver messages go to the log */
-    const gw_log *log;         /* must outlive the device */
+    const char *shader_folder;       /* read shaders here instead of the embedded ones; NULL: embedded */
+    int debug;                       /* 1: debug context, driver messages go to the log */
+    const gw_log *log;               /* must outlive the device */
     const gw_window_options *window; /* make this window, which the device then owns; NULL: none */
     int choose_gpu;                  /* 1, without a window: on the EGL device `gpu` and no other */
     int32_t gpu;                     /* its index, from 0 (gw_gl_list_gpus) */

@@ -130,14 +130,16 @@ static const char *reason(void) {
 gw_code gw_window_possible(gw_error *error) {
     const char *display = getenv("DISPLAY");
     if (!display || !*display)
-        return gw_fail(error, GW_MACHINE,
-                       "no window can be opened: DISPLAY is not set; set it to an X server, as in DISPLAY=:0, "
-                       "or draw without windows (--headless)");
+        return gw_fail(
+            error, GW_MACHINE,
+            "no window can be opened: DISPLAY is not set; set it to an X server, as in DISPLAY=:0, "
+            "or draw without windows (--headless)");
     if (!glfwInit())
-        return gw_fail(error, GW_MACHINE,
-                       "no window can be opened on display '%s': %s; set DISPLAY to an X server that runs and "
-                       "lets you in, or draw without windows (--headless)",
-                       display, reason());
+        return gw_fail(
+            error, GW_MACHINE,
+            "no window can be opened on display '%s': %s; set DISPLAY to an X server that runs and "
+            "lets you in, or draw without windows (--headless)",
+            display, reason());
     return GW_OK;
 }
 

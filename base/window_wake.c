@@ -34,9 +34,9 @@ void gw_window_wake_start(gw_window_wake *wake, const gw_log *log) {
     wake->library = dlopen("libXss.so.1", RTLD_NOW | RTLD_LOCAL);
     if (wake->library && suspend(wake->library, 1))
         return;
-    gw_log_write(log, GW_LOG_INFO,
-                 "the screen saver stays on: %s; switch it off by hand (xset s off -dpms)",
-                 wake->library ? "the X server has no extension MIT-SCREEN-SAVER" : "libXss is not installed");
+    gw_log_write(log, GW_LOG_INFO, "the screen saver stays on: %s; switch it off by hand (xset s off -dpms)",
+                 wake->library ? "the X server has no extension MIT-SCREEN-SAVER"
+                               : "libXss is not installed");
     if (wake->library)
         dlclose(wake->library);
     wake->library = NULL;

@@ -24,7 +24,7 @@ typedef struct gw_frame_state {
     uint32_t frame;      /* number, from 0 */
     uint32_t gaze_count; /* 0: nobody's gaze is known, so everything is sharp (tau_inside everywhere) */
     int64_t time;        /* ns of the scene's and track's clock */
-    double eye[3];       /* rendering eye, wall space, mm */
+    double eye[3];       /* rendering eye, wall space, mm; between the two with stereo */
     gw_gaze gazes[GW_MAXIMUM_VIEWERS];
     /* Knobs of the FRAME stage, as floats (settings.h says what they mean). */
     float tau, tau_inside, gaze_margin, gaze_blend, gaze_growth, gaze_latency, gaze_growth_limit,
@@ -42,15 +42,17 @@ typedef struct gw_frame_state {
      * for, so nothing is kept for one. */
     uint32_t epoch;
     uint16_t accumulate;
-    uint16_t reserved[3]; /* 0 */
+    uint16_t reserved; /* 0 */
     /* How far tau, gaze_margin, acuity_slope and sample_block are strained to be faster: 1, as they stand, to
      * GW_MAXIMUM_STRAIN. See gw_frame_state_in_force(). */
     float strain;
     /* Navigation: where in the scene the wall's neutral viewer stands and what the wall's middle shows, scene
      * metres, up is y. Both the same (0): the scene stands as it is placed. */
     float stand[3], look_at[3];
+    /* Stereo: from `eye` to the right eye, mm; the left one lies as far on the other side. 0: one eye. */
+    float eye_offset[3];
 } gw_frame_state;
-_Static_assert(offsetof(gw_frame_state, look_at) + 3 * sizeof(float) == sizeof(gw_frame_state),
+_Static_assert(offsetof(gw_frame_state, eye_offset) + 3 * sizeof(float) == sizeof(gw_frame_state),
                "no holes, so that states can be compared as bytes");
 _Static_assert(sizeof(gw_frame_state) < 512, "the frame state travels in one small message");
 

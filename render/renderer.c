@@ -97,6 +97,7 @@ void gw_renderer_destroy(gw_renderer **renderer) {
     gw_gl_buffer_finish(&r->found_hits);
     gw_sample_buffers_finish(&r->samples);
     gw_accumulation_finish(&r->accumulation);
+    gw_accumulation_finish(&r->other_accumulation);
     free(r->host_pixels);
     free(r);
     *renderer = NULL;
@@ -303,6 +304,7 @@ gw_renderer_parts gw_renderer_parts_of(const gw_renderer *renderer) {
         .rays = renderer->totals.size + renderer->frame.size + renderer->given_rays.size +
                 renderer->found_hits.size + gw_ray_buffers_bytes(&renderer->rays) +
                 gw_sample_buffers_bytes(&renderer->samples) + gw_accumulation_bytes(&renderer->accumulation) +
+                gw_accumulation_bytes(&renderer->other_accumulation) +
                 gw_shadow_buffers_bytes(&renderer->shadows) + gw_mirror_buffers_bytes(&renderer->mirrors)};
 }
 

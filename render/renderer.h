@@ -65,6 +65,10 @@ gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement,
                           const gw_rectangle *rectangle, const gw_frame_state *state, uint8_t *rgba,
                           gw_counters *counters, gw_error *error);
 
+/* Which of two eyes, 0 or 1, the next frames are drawn for: the samples of still views (accumulate) are kept
+ * for each by itself. Changes no pixel. */
+void gw_renderer_choose_view(gw_renderer *renderer, uint32_t view);
+
 /* Adds to *rays how many primary rays such a frame traces, rims included, without tracing them. Where every
  * pixel has one ray that is the rectangle's pixels. With accumulation: if nothing is kept of the view. */
 gw_code gw_renderer_count_rays(gw_renderer *renderer, const gw_similarity *placement, const gw_plane *plane,

@@ -39,6 +39,15 @@ gw_code gw_accumulation_bind(gw_renderer *renderer, size_t chunk, size_t pixel_s
     return code;
 }
 
+void gw_renderer_choose_view(gw_renderer *renderer, uint32_t view) {
+    if (view == renderer->chosen_view)
+        return;
+    const gw_accumulation present = renderer->accumulation;
+    renderer->accumulation = renderer->other_accumulation;
+    renderer->other_accumulation = present;
+    renderer->chosen_view = view;
+}
+
 uint64_t gw_accumulation_bytes(const gw_accumulation *kept) {
     uint64_t bytes = 0;
     for (size_t i = 0; i < kept->chunk_count; ++i)

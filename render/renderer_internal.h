@@ -121,6 +121,8 @@ struct gw_renderer {
     uint32_t *host_pixels; /* of one chunk */
     size_t host_pixel_capacity;
     gw_accumulation accumulation;
+    gw_accumulation other_accumulation; /* of the view that is not drawn now */
+    uint32_t chosen_view;
 };
 
 /* Room for slots rays of pixels, bound with all that kernels of frames read and write. */

@@ -81,6 +81,7 @@ void gw_track_destroy(gw_track **track);
 typedef struct gw_track_sample {
     int has_head, has_gaze;
     double eye[3];              /* mm */
+    double head_right[3];       /* unit, wall space: from the left eye to the right one */
     double gaze_direction[3];   /* unit, wall space */
     int64_t head_age, gaze_age; /* ns between the moment and the sensor's last report at or before it; before
                                    its first one, between the moment and that */

@@ -80,6 +80,18 @@ static void gaze_of(const double q[4], double direction[3]) {
         direction[i] /= length;
 }
 
+/* (1,0,0) turned by the quaternion. */
+static void right_of(const double q[4], double direction[3]) {
+    double x = q[0], y = q[1], z = q[2], w = q[3];
+    direction[0] = 1.0 - 2.0 * (y * y + z * z);
+    direction[1] = 2.0 * (x * y + w * z);
+    direction[2] = 2.0 * (x * z - w * y);
+    double length =
+        sqrt(direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2]);
+    for (int i = 0; i < 3; i++)
+        direction[i] /= length;
+}
+
 void gw_track_at(const gw_track *track, uint32_t viewer, int64_t time, gw_track_sample *out) {
     *out = (gw_track_sample){0};
     int64_t moment = time < 0 ? 0 : time > track->duration ? track->duration : time;
@@ -91,6 +103,7 @@ void gw_track_at(const gw_track *track, uint32_t viewer, int64_t time, gw_track_
         out->head_age = oldest = at.age;
         for (int i = 0; i < 3; i++)
             out->eye[i] = at.position[i];
+        right_of(at.orientation, out->head_right);
     }
     if (pose_at(track, first + GW_SENSOR_GAZE, moment, &at)) {
         out->has_gaze = 1;

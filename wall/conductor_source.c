@@ -5,6 +5,7 @@
 #include "render/camera.h"
 #include "wall/rank.h"
 #include "wall/report.h"
+#include "wall/stereo.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -115,6 +116,8 @@ void gw_conductor_make_state(gw_conductor *conductor, const struct gw_rank *rank
                        rank->options.gaze == GW_GAZE_AT_PIXEL ? conductor->stare : NULL, &draw->settings);
         state->time = time;
     }
+    if (gw_site_is_stereo(&rank->site))
+        gw_frame_part_eyes(state, conductor->track, time, rank->site.eye_distance);
     navigate(conductor, state);
     if (gw_budget_is_on(&conductor->budget))
         state->strain = gw_budget_strain(&conductor->budget);

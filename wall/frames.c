@@ -134,6 +134,17 @@ void gw_frame_stare(gw_frame_state *state, const double eye[3], const double *ta
     add_gaze(state, eye, direction, settings, 0, 1);
 }
 
+void gw_frame_part_eyes(gw_frame_state *state, const gw_track *track, int64_t time, double distance) {
+    double right[3] = {1, 0, 0};
+    gw_track_sample sample = {0};
+    if (track)
+        gw_track_at(track, 0, time, &sample);
+    if (sample.has_head)
+        memcpy(right, sample.head_right, sizeof right);
+    for (int i = 0; i < 3; i++)
+        state->eye_offset[i] = (float)(0.5 * distance * right[i]);
+}
+
 static int gaze_is_near(const gw_gaze *a, const gw_gaze *b, double distance, double angle) {
     double apart = 0, along = 0, across = 0;
     for (int i = 0; i < 3; i++) {
@@ -151,15 +162,22 @@ static int gaze_is_near(const gw_gaze *a, const gw_gaze *b, double distance, dou
 void gw_frame_hold(gw_frame_state *state, const gw_frame_state *before, double distance, double angle) {
     if (!before || before->gaze_count != state->gaze_count)
         return;
-    double apart = 0;
-    for (int i = 0; i < 3; i++)
-        apart += (state->eye[i] - before->eye[i]) * (state->eye[i] - before->eye[i]);
-    int near = sqrt(apart) <= distance;
+    int near = 1;
+    for (int side = -1; side <= 1; side++) {
+        double apart = 0;
+        for (int i = 0; i < 3; i++) {
+            const double move = state->eye[i] - before->eye[i] +
+                                side * ((double)state->eye_offset[i] - (double)before->eye_offset[i]);
+            apart += move * move;
+        }
+        near = near && sqrt(apart) <= distance;
+    }
     for (uint32_t i = 0; i < state->gaze_count && near; i++)
         near = gaze_is_near(&state->gazes[i], &before->gazes[i], distance, angle);
     if (!near)
         return;
     memcpy(state->eye, before->eye, sizeof state->eye);
+    memcpy(state->eye_offset, before->eye_offset, sizeof state->eye_offset);
     for (uint32_t i = 0; i < state->gaze_count; i++) {
         gw_gaze *gaze = &state->gazes[i];
         const float age = gaze->age, confidence = gaze->confidence;
@@ -219,6 +237,7 @@ static json_t *pack_state(const gw_frame_state *state) {
                                "accumulate", (int)state->accumulate);
     json_object_set_new(object, "stand", pack_floats(state->stand, 3));
     json_object_set_new(object, "look_at", pack_floats(state->look_at, 3));
+    json_object_set_new(object, "eye_offset", pack_floats(state->eye_offset, 3));
     for (size_t i = 0; i < COUNT(float_fields); i++) {
         float value;
         memcpy(&value, (const char *)state + float_fields[i].offset, sizeof value);
@@ -364,6 +383,10 @@ static int take_state(const place *at, const json_t *object, gw_frame_state *sta
         !take_point(at, object, "eye", state->eye) || !take_gazes(at, object, state) ||
         !take_knobs(at, object, state) || !take_float_point(at, object, "stand", state->stand) ||
         !take_float_point(at, object, "look_at", state->look_at))
+        return 0;
+    /* Recordings from before stereo lack it: one eye. */
+    if (json_object_get(object, "eye_offset") &&
+        !take_float_point(at, object, "eye_offset", state->eye_offset))
         return 0;
     state->frame = (uint32_t)frame;
     state->seed = (uint32_t)seed;

@@ -30,7 +30,11 @@ void gw_frame_look(gw_frame_state *state, const gw_track *track, int64_t time, c
 void gw_frame_stare(gw_frame_state *state, const double eye[3], const double *target,
                     const gw_settings *settings);
 
-/* Heads and eyes are never quite still: where the eye and every viewer's lie within `distance` mm, and the
+/* Sets eye_offset: two eyes `distance` mm apart along the first viewer's head, or along wall space's x where
+ * the track (it may be NULL) has none. */
+void gw_frame_part_eyes(gw_frame_state *state, const gw_track *track, int64_t time, double distance);
+
+/* Heads and eyes are never quite still: where the eyes and every viewer's lie within `distance` mm, and the
  * gazes within `angle` degrees, of those that the frame before was drawn from, those stand. They are the ones
  * of the view's first sample, so nobody drifts away unseen. before may be NULL. */
 void gw_frame_hold(gw_frame_state *state, const gw_frame_state *before, double distance, double angle);

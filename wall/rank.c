@@ -8,6 +8,7 @@
 #include "wall/interrupt.h"
 #include "wall/mpi_wait.h"
 #include "wall/picture.h"
+#include "wall/stereo.h"
 #include "wall/verbs.h"
 
 #include <inttypes.h>
@@ -19,6 +20,10 @@
 
 static const gw_tile *own_tile(const gw_rank *rank) {
     return &rank->site.layout.tiles[rank->number];
+}
+
+static gw_stereo own_stereo(const gw_rank *rank) {
+    return (gw_stereo)rank->site.panels[rank->number].stereo;
 }
 
 /* --- a frame
@@ -62,12 +67,12 @@ void gw_rank_draw(gw_rank *rank, const gw_release *release, gw_done *done) {
     gw_code code = gw_place_frame(&rank->share.scene.scene, &release->state, layout->size[0], layout->size[1],
                                   layout->centre, layout->eye, &placement, &error);
     if (!code)
-        code = gw_renderer_frame(rank->renderer, &placement, &tile->plane, &tile->rectangle, &release->state,
-                                 rank->pixels, &done->counters, &error);
+        code = gw_stereo_draw(rank->renderer, &placement, own_stereo(rank), tile, &release->state,
+                              rank->eye_pixels, rank->pixels, &done->counters, &error);
     done->render_ns = gw_now_ns() - begin;
     if (!code && release->predict)
-        code = gw_predict_error(&rank->share.scene.scene, &rank->share.octree, &placement, &tile->plane,
-                                &tile->rectangle, &release->state, &done->predicted, &error);
+        code = gw_stereo_predict(&rank->share.scene.scene, &rank->share.octree, &placement, own_stereo(rank),
+                                 tile, &release->state, &done->predicted, &error);
     if (!code && rank->options.out)
         code = write_own_pictures(rank, release, &error);
     done->code = (int32_t)code;
@@ -162,8 +167,11 @@ static gw_code get_ready(gw_rank *rank, gw_conductor *conductor, gw_error *error
     if (code)
         return code;
     const gw_rectangle *rectangle = &own_tile(rank)->rectangle;
+    const size_t scratch = gw_stereo_scratch(own_stereo(rank), own_tile(rank));
     code =
         gw_allocate((void **)&rank->pixels, (size_t)rectangle->width * rectangle->height, 4, "pixels", error);
+    if (!code && scratch)
+        code = gw_allocate((void **)&rank->eye_pixels, scratch, 1, "pixels of an eye", error);
     if (code)
         return code;
     gw_log_write(&rank->line.log, GW_LOG_DEBUG, "rank %d draws tile %s in process %ld", rank->number,

@@ -27,6 +27,7 @@ typedef struct gw_rank {
     int size;              /* ranks */
     int64_t load_deadline; /* gw_now_ns clock */
     uint8_t *pixels;       /* of its tile, [height][width][4] */
+    uint8_t *eye_pixels;   /* of one eye, where the tile shows two; else NULL */
 } gw_rank;
 
 /* Draws this rank's tile for a release and writes its picture if the run has a folder for pictures. A failure

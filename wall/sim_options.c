@@ -1,5 +1,8 @@
 #include "wall/sim_options.h"
 
+#include "base/suggest.h"
+#include "wall/stereo.h"
+
 #include <errno.h>
 #include <string.h>
 
@@ -10,6 +13,7 @@ void gw_wall_options_init(gw_wall_options *options, uint32_t columns, uint32_t r
     options->size[0] = 960;
     options->size[1] = 540;
     options->wall_width = 2000;
+    options->eye_distance = -1;
 }
 
 /* Sizes of the columns or rows of a split; checks them against the wall's size when that was given, too. */
@@ -40,14 +44,7 @@ static gw_code split_axis(const gw_wall_options *options, int axis, const uint32
     return GW_OK;
 }
 
-gw_code gw_wall_site(const gw_wall_options *options, gw_site *out, gw_error *error) {
-    if (options->site) {
-        if (options->tiles_given || options->size_given || options->width_count || options->height_count)
-            return gw_fail(
-                error, GW_BAD_INPUT,
-                "--site describes the whole wall; leave out --tiles, --size, --columns and --rows");
-        return gw_site_load(options->site, out, error);
-    }
+static gw_code split_site(const gw_wall_options *options, gw_site *out, gw_error *error) {
     memset(out, 0, sizeof *out);
     gw_site_defaults(out);
     gw_grid grid = {
@@ -67,6 +64,21 @@ gw_code gw_wall_site(const gw_wall_options *options, gw_site *out, gw_error *err
     return gw_layout_grid(&grid, &out->layout, error);
 }
 
+gw_code gw_wall_site(const gw_wall_options *options, gw_site *out, gw_error *error) {
+    if (options->site &&
+        (options->tiles_given || options->size_given || options->width_count || options->height_count))
+        return gw_fail(error, GW_BAD_INPUT,
+                       "--site describes the whole wall; leave out --tiles, --size, --columns and --rows");
+    gw_code code = options->site ? gw_site_load(options->site, out, error) : split_site(options, out, error);
+    if (code)
+        return code;
+    for (uint32_t i = 0; options->stereo_given && i < out->layout.tile_count; i++)
+        out->panels[i].stereo = options->stereo;
+    if (options->eye_distance >= 0)
+        out->eye_distance = options->eye_distance;
+    return gw_stereo_check(out, error);
+}
+
 gw_code gw_wall_layout(const gw_wall_options *options, gw_layout *out, gw_error *error) {
     gw_site site;
     gw_code code = gw_wall_site(options, &site, error);
@@ -83,6 +95,8 @@ enum {
     KEY_SITE,
     KEY_WALL_WIDTH,
     KEY_BEZEL,
+    KEY_STEREO,
+    KEY_EYE_DISTANCE,
     KEY_TRACK,
     KEY_PATH,
     KEY_STATES,
@@ -117,6 +131,13 @@ static const struct argp_option sim_options[] = {
      1},
     {"bezel", KEY_BEZEL, "MM", 0, "0 to 1000 mm, default 0: bezel of every tile on every side", 1},
     {"site", KEY_SITE, "FILE", 0, "a site file (docs/sites.md) instead of all of the above", 1},
+    {"stereo", KEY_STEREO, "MODE", 0,
+     "two eyes on every tile: side-by-side, top-bottom, anaglyph (red and cyan), row-interlace; or one of "
+     "them: left, "
+     "right; default: mono, or as the site says",
+     1},
+    {"eye-distance", KEY_EYE_DISTANCE, "MM", 0,
+     "0 to 100 mm between a viewer's eyes along the head, default 63, or as the site says: for stereo", 1},
     {NULL, 0, NULL, 0, "Who looks where:", 2},
     {"track", KEY_TRACK, "FILE", 0, "recording of head and gaze (VRPN log); default: the embedded demo track",
      2},
@@ -161,6 +182,20 @@ static const struct argp_option sim_options[] = {
     {"link", KEY_LINK, "NAME", OPTION_HIDDEN, NULL, 0},
     {0}};
 
+static gw_code parse_stereo(const char *argument, gw_wall_options *wall, gw_error *error) {
+    wall->stereo_given = 1;
+    for (int i = 0; i < GW_STEREO_COUNT; i++)
+        if (!strcmp(argument, gw_stereo_names[i])) {
+            wall->stereo = (gw_stereo)i;
+            return GW_OK;
+        }
+    const char *near = gw_suggest(argument, gw_stereo_names, GW_STEREO_COUNT);
+    return gw_fail(error, GW_BAD_INPUT,
+                   "--stereo '%.40s' is unknown%s%s; it must be mono, side-by-side, top-bottom, anaglyph, "
+                   "row-interlace, left or right",
+                   argument, near ? "; did you mean " : "", near ? near : "");
+}
+
 static gw_code parse_wall(int key, const char *argument, gw_wall_options *wall, gw_error *error) {
     switch (key) {
     case KEY_TILES:
@@ -179,6 +214,10 @@ static gw_code parse_wall(int key, const char *argument, gw_wall_options *wall, 
         return gw_parse_number("--wall-width", argument, 10, 1e6, &wall->wall_width, error);
     case KEY_BEZEL:
         return gw_parse_number("--bezel", argument, 0, 1000, &wall->bezel, error);
+    case KEY_STEREO:
+        return parse_stereo(argument, wall, error);
+    case KEY_EYE_DISTANCE:
+        return gw_parse_number("--eye-distance", argument, 0, 100, &wall->eye_distance, error);
     default:
         wall->site = argument;
         return GW_OK;
@@ -251,6 +290,8 @@ static error_t parse_sim(int key, char *argument, struct argp_state *state) {
     case KEY_ROWS:
     case KEY_WALL_WIDTH:
     case KEY_BEZEL:
+    case KEY_STEREO:
+    case KEY_EYE_DISTANCE:
     case KEY_SITE:
         code = parse_wall(key, argument, &options->wall, error);
         break;
@@ -335,6 +376,8 @@ gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *he
         return code;
     if (out->states && (out->still[0] > 0 || out->still[1] > 0))
         return gw_fail(error, GW_BAD_INPUT, "--states holds what stood still; leave out --still");
+    if (out->states && out->wall.eye_distance >= 0)
+        return gw_fail(error, GW_BAD_INPUT, "--states holds where both eyes are; leave out --eye-distance");
     if (out->states && out->path)
         return gw_fail(error, GW_BAD_INPUT, "--states holds where every frame stands; leave out --path");
     if (out->states && out->gaze != GW_GAZE_FROM_TRACK)

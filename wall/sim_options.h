@@ -18,6 +18,9 @@ typedef struct gw_wall_options {
     double wall_width, bezel;                                     /* mm */
     const char *site;
     int tiles_given, size_given;
+    gw_stereo stereo; /* of every panel, if stereo_given */
+    int stereo_given;
+    double eye_distance; /* mm; negative: the site's */
 } gw_wall_options;
 
 /* 2x2 tiles are sim's default, render has one; 960x540 px, 2000 mm wide. */

@@ -35,6 +35,14 @@ done
 is "the gaze counts" "$("$program" render "${common[@]}" --size 161x97 --no-gaze --set tau=8 --set tau_inside=8 --out blunt.png --report blunt.json &&
     [ "$(json blunt.json '["image"]["hash"]')" != "$wanted" ] && echo differs)" differs
 
+# --- two eyes: rows of the wall, whichever tile they stand in; the format's own needs are told
+sim rows-1x1 --tiles 1x1 --size 161x97 "${view[@]}" --stereo row-interlace
+sim rows-uneven --columns 70,91 --rows 33,64 "${view[@]}" --stereo row-interlace
+same_file "interlaced rows do not know the split" rows-uneven/wall.png rows-1x1/wall.png
+is "two eyes are not one" "$(cmp -s rows-1x1/wall.png 1x1/wall.png || echo differ)" differ
+expect "half of an odd width" 2 "tile 'c0r0' is 161 px wide; side by side" sim --tiles 1x1 --size 161x97 --stereo side-by-side
+expect "an unknown mode" 2 "did you mean anaglyph" sim --stereo anagliph
+
 # --- frames from the track: states, and their repetition
 sim track --tiles 2x1 --size 160x96 --frames 3 --save-states states.json
 sim again --tiles 1x2 --size 160x96 --states states.json

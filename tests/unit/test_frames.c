@@ -102,6 +102,7 @@ static void a_recording_gives_every_bit_back(void **state) {
         states[i].look_at[(i + 1) % 3] = -0.1f * (float)i;
         states[i].accumulate = (uint16_t)(i + 1);
         states[i].strain = 1.0f + 0.1f * (float)i;
+        states[i].eye_offset[i % 3] = 10.0f / (3.0f + (float)i);
     }
     check_ok(gw_states_save(path, states, COUNT, &error));
     gw_states back;
@@ -146,6 +147,53 @@ static void trembling_stands_still_and_drifting_does_not(void **state) {
     gw_frame_state held = s[1];
     gw_frame_hold(&held, NULL, 2, 0.2);
     assert_memory_equal(&held, &s[1], sizeof held);
+}
+
+/* A head that turns moves both eyes, though what lies between them stands still. */
+static void a_turning_head_is_not_still(void **state) {
+    (void)state;
+    gw_settings settings = defaults();
+    settings.accumulate = 200;
+    gw_frame_state s[2];
+    const double eye[3] = {0, 0, 1800};
+    for (uint32_t i = 0; i < 2; i++) {
+        gw_frame_begin(&s[i], i, &settings, 0, GW_DEBUG_NONE);
+        gw_frame_stare(&s[i], eye, NULL, &settings);
+        gw_frame_part_eyes(&s[i], NULL, 0, 64);
+        assert_true(s[i].eye_offset[0] == 32 && s[i].eye_offset[1] == 0 && s[i].eye_offset[2] == 0);
+    }
+    s[1].eye_offset[0] = 31.9f;
+    s[1].eye_offset[1] = 2.5f;
+    gw_frame_state held = s[1];
+    gw_frame_hold(&held, &s[0], 2, 0.2);
+    assert_memory_equal(&held, &s[1], sizeof held);
+    gw_frame_hold(&held, &s[0], 3, 0.2);
+    assert_memory_equal(held.eye_offset, s[0].eye_offset, sizeof held.eye_offset);
+}
+
+/* Recordings from before there were two eyes are of one. */
+static void a_recording_without_eye_offset_is_mono(void **state) {
+    (void)state;
+    gw_settings settings = defaults();
+    gw_frame_state s;
+    gw_states back;
+    gw_bytes bytes;
+    char path[512];
+    scratch_path(path, "mono-states.json");
+    gw_frame_begin(&s, 0, &settings, 0, GW_DEBUG_NONE);
+    gw_frame_stare(&s, (const double[3]){0, 0, 1800}, NULL, &settings);
+    s.accumulate = 1;
+    check_ok(gw_states_save(path, &s, 1, &error));
+    check_ok(gw_file_read(path, 1 << 20, &bytes, &error));
+    char *key = memmem(bytes.data, bytes.size, ",\"eye_offset\":[0.0,0.0,0.0]", 27);
+    assert_non_null(key);
+    memset(key, ' ', 27);
+    check_ok(gw_file_write(path, bytes.data, bytes.size, &error));
+    check_ok(gw_states_load(path, &back, &error));
+    assert_memory_equal(&back.states[0], &s, sizeof s);
+    gw_states_finish(&back);
+    gw_bytes_finish(&bytes);
+    remove(path);
 }
 
 static const char *write_text(char path[512], const char *text) {
@@ -231,6 +279,8 @@ int main(void) {
         cmocka_unit_test(still_views_add_up),
         cmocka_unit_test(trembling_stands_still_and_drifting_does_not),
         cmocka_unit_test(a_recording_gives_every_bit_back),
+        cmocka_unit_test(a_turning_head_is_not_still),
+        cmocka_unit_test(a_recording_without_eye_offset_is_mono),
         cmocka_unit_test(broken_recordings_are_told_by_line),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

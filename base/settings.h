@@ -69,8 +69,8 @@
     GW_ROW(seed_distance, REAL, 200.0, 1.0, 1000000.0, "", FRAME, "mm", "blur in the periphery against steps", "1000000", \
            "gaze_rule seed: distance from the ellipse on the wall over which voxels grow by one octree level")           \
     GW_ROW(gaze_footprint, REAL, 0.5, 0.0, 4.0, "", FRAME, "spacings", "blur in the periphery against steps",                 \
-           "0 (a ray is as wide as the pixels it stands for)",                                                       \
-           "least width of a ray over the spacing that the viewer resolves there")                                     \
+           "0 (rays as wide as the pixels they stand for, voxels by one pixel)",                                     \
+           "least width of a ray, and what voxels go by, over the spacing that the viewer resolves there")             \
     GW_ROW(sample_block, CHOICE, 3, 0, 4, "1|2|4|8|16", FRAME, "px", "sharpness in the periphery against rays",            \
            "1 (a ray per pixel)", "largest square of pixels that shares one ray where the viewer cannot tell")          \
     GW_ROW(coarse_samples, CHOICE, 0, 0, 3, "1|2|4|8", FRAME, "rays", "aliasing in the periphery against rays", "8",     \

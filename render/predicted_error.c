@@ -30,17 +30,42 @@ static double side_at(const gw_frame_block *block, uint32_t most, double x, doub
     return least >= 2 * side ? 2 * side : side;
 }
 
+/* What is drawn at a place, in pixels: how far apart samples lie, and how wide a voxel may be. */
+typedef struct drawn_at {
+    double pitch, voxel;
+} drawn_at;
+
+static drawn_at by_acuity(const gw_frame_block *in_force, const gw_frame_state *drawn, double own, double x,
+                          double y) {
+    const double side = side_at(in_force, drawn->sample_block, x, y), pitch = side > 1 ? side : own;
+    const double resolved = (double)in_force->gazing[0] * gw_sparse_spacing(in_force, x, y);
+    return (drawn_at){pitch, gw_sparse_tau(in_force, x, y) * fmax(fmin(pitch, 1), resolved)};
+}
+
+/* Every pixel has its rays; where voxels have grown by half a level, pixels are blurred as far as at the next
+ * rate (shaders/blend/reconstruct.comp). */
+static drawn_at by_seed(const gw_frame_block *in_force, const gw_frame_state *drawn, double own, double x,
+                        double y) {
+    const double distance = gw_sparse_seed_distance(in_force, x, y), grown = 1 + distance;
+    const double blur = fmin(grown * grown / 2, 2); /* 1 at half a level, 2 at a whole one */
+    const int blurred = drawn->rate_blend && drawn->sample_block > 0 && blur > 1;
+    return (drawn_at){blurred ? blur : own, (double)in_force->accuracy[distance > 0 ? 0 : 1] * own * grown};
+}
+
 double gw_predicted_error_at(const gw_frame_block *given, const gw_frame_block *in_force,
                              const gw_frame_state *state, double x, double y) {
-    const int seen = given->counts[0] > 0;
     const gw_frame_state drawn = gw_frame_state_in_force(state);
-    double limit = seen ? fmax(1, gw_sparse_spacing(given, x, y)) : 1;
-    double side = seen ? side_at(in_force, drawn.sample_block, x, y) : 1;
-    double pitch = side > 1 ? side : sqrt(1.0 / in_force->counts[3]);
-    double footprint =
-        seen ? fmax(pitch, (double)in_force->gazing[0] * gw_sparse_spacing(in_force, x, y)) : pitch;
-    double tau = drawn.geometry == GW_GEOMETRY_TRIANGLES ? 0 : gw_sparse_tau(in_force, x, y);
-    return fmax(1, fmax(pitch, tau * footprint) / limit);
+    const double own = sqrt(1.0 / in_force->counts[3]);
+    double limit = 1;
+    drawn_at here = {own, (double)in_force->accuracy[1] * own};
+    if (given->counts[0] > 0) {
+        limit = fmax(1, gw_sparse_spacing(given, x, y));
+        here = drawn.gaze_rule == GW_GAZE_SEED ? by_seed(in_force, &drawn, own, x, y)
+                                               : by_acuity(in_force, &drawn, own, x, y);
+    }
+    if (drawn.geometry == GW_GEOMETRY_TRIANGLES)
+        here.voxel = 0;
+    return fmax(1, fmax(here.pitch, here.voxel) / limit);
 }
 
 /* First place of the lattice at or after a pixel. */

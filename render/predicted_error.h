@@ -5,9 +5,10 @@
  * What a viewer resolves is taken from the state's own settings (acuity_slope, gaze_margin, the ellipse with
  * the gaze's age), not from those that budget mode strained, and never finer than the wall's pixels. At a
  * place of the plane with a resolved spacing of r pixels and l = max(1, r), squares of p pixels a sample (1 /
- * sqrt(samples) where a pixel counts by itself), footprint f = max(p, gaze_footprint r') with r' the spacing
- * under the strained settings, and the tau in force there, the error is max(1, p / l, tau f / l). Plain
- * values; any thread. */
+ * sqrt(samples) where a pixel counts by itself), footprint f = max(min(p, 1), gaze_footprint r') with r' the
+ * spacing under the strained settings, and the tau in force there, the error is max(1, p / l, tau f / l).
+ * With gaze_rule seed every pixel has its ray: f = (1 + d) / sqrt(samples), d the distance along the wall
+ * from the ellipse over seed_distance, and p is up to 2 where rate_blend blurs. Plain values; any thread. */
 #ifndef GW_RENDER_PREDICTED_ERROR_H
 #define GW_RENDER_PREDICTED_ERROR_H
 

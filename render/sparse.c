@@ -72,3 +72,36 @@ double gw_sparse_tau(const gw_frame_block *block, double x, double y) {
     }
     return block->counts[0] > 0 ? least : inside;
 }
+
+static double seed_distance_of(const gw_frame_block *block, const gw_viewer *viewer, const double point[3],
+                               double farthest) {
+    double normal[3], to_wall = 0, towards[3], from_centre[3];
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        normal[i] = (double)block->step_x[j] * (double)block->step_y[k] -
+                    (double)block->step_x[k] * (double)block->step_y[j];
+        to_wall += ((double)block->corner[i] - (double)viewer->eye[i]) * normal[i];
+        towards[i] = point[i] - (double)viewer->eye[i];
+    }
+    const double centre = to_wall / along(normal, viewer->forward); /* where the gaze meets the wall */
+    if (!(centre > 0 && centre < 1e30))
+        return farthest;
+    for (int i = 0; i < 3; ++i)
+        from_centre[i] = towards[i] - (double)viewer->forward[i] * centre;
+    const double x = along(towards, viewer->right) / (double)viewer->up[3],
+                 y = along(towards, viewer->up) / (double)viewer->forward[3],
+                 beyond = sqrt(x * x + y * y) - along(towards, viewer->forward);
+    if (beyond <= 0)
+        return 0;
+    /* The line from the centre to the point leaves the cone at a share centre / (beyond + centre) of it. */
+    const double distance = beyond / (beyond + centre) * sqrt(gw_dot(from_centre, from_centre));
+    return fmin(distance * (double)block->step_x[3], farthest);
+}
+
+double gw_sparse_seed_distance(const gw_frame_block *block, double x, double y) {
+    double point[3], least = 1023;
+    point_at(block, x, y, point);
+    for (uint32_t i = 0; i < block->counts[0]; ++i)
+        least = fmin(least, seed_distance_of(block, &block->viewers[i], point, least));
+    return least;
+}

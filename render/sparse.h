@@ -12,4 +12,8 @@ double gw_sparse_spacing(const gw_frame_block *block, double x, double y);
 /* The smallest tau that a viewer calls for there; tau_inside when nobody's gaze is known. */
 double gw_sparse_tau(const gw_frame_block *block, double x, double y);
 
+/* gaze_rule seed (shaders/trace/gaze_seed.glsl): distance along the wall from the nearest viewer's ellipse
+ * over seed_distance; 0 inside, at most 1023. */
+double gw_sparse_seed_distance(const gw_frame_block *block, double x, double y);
+
 #endif

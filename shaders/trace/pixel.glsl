@@ -123,7 +123,15 @@ Pixel_ray ray_of_square(Pixel_square square) {
 #else
         Acuity acuity = acuity_at(direction);
         ray.tau = acuity.tau;
-        ray.width = max(ray.width, acuity.width * frame.gazing.x);
+        float resolved = acuity.width * frame.gazing.x;
+#if defined(SPARSE) && !defined(VOXELS_OF_SQUARES) // the naive variant, for the test that shows why
+        // A square's footprint doubles from rate to rate, what the viewer resolves does not: voxels go by that, or their level
+        // would jump where more pixels begin to share a ray. The footprint itself stays wide for textures.
+        precise float accepted = max(ray.width / side, resolved);
+        precise float share = accepted / ray.width;
+        ray.tau *= square.side > 1 ? min(share, 1.0) : 1.0;
+#endif
+        ray.width = max(ray.width, resolved);
 #endif
     }
 #endif

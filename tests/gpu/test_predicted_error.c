@@ -89,7 +89,7 @@ static double direct_error(const gw_frame_state *s, double x, double y) {
     const seen drawn = look(s, (double)s->acuity_slope * strain, (double)s->gaze_margin / strain, x, y);
     const double side = direct_side(s, x, y), ramp = fmin(fmax(drawn.outside / (double)s->gaze_blend, 0), 1);
     const double tau = (double)s->tau * pow(strain, 0.25) * ramp * ramp * (3 - 2 * ramp);
-    return fmax(1, fmax(side, tau * fmax(side, (double)s->gaze_footprint * drawn.spacing)) / limit);
+    return fmax(1, fmax(side, tau * fmax(1, (double)s->gaze_footprint * drawn.spacing)) / limit);
 }
 
 static void it_is_what_the_formula_says(void **state) {
@@ -119,6 +119,65 @@ static void it_is_what_the_formula_says(void **state) {
         assert_true(k > 0 || sum.worst == 1); /* nothing that a viewer could resolve is missing */
         assert_true(sum.sum > before);
         before = sum.sum;
+    }
+}
+
+/* Distance on the wall, mm, from the circle about the gaze towards its centre, found by halving. */
+static double distance_on_the_wall(const gw_frame_state *s, double x, double y) {
+    static const double middle[2] = {30, 40};
+    const double *steps[2] = {camera.plane.step_x, camera.plane.step_y};
+    double inside = 0, outside = 1, far[3];
+    if (look(s, 0, 0, x, y).outside <= 0)
+        return 0;
+    for (int step = 0; step < 60; ++step) {
+        const double half = (inside + outside) / 2;
+        if (look(s, 0, 0, middle[0] + half * (x - middle[0]), middle[1] + half * (y - middle[1])).outside <=
+            0)
+            inside = half;
+        else
+            outside = half;
+    }
+    for (int i = 0; i < 3; i++)
+        far[i] = (x - middle[0]) * steps[0][i] + (y - middle[1]) * steps[1][i];
+    return (1 - inside) * sqrt(dot(far, far));
+}
+
+/* The rule of Weier et al. knows nothing of what eyes resolve: the error by acuity says how wrong it is. */
+static void the_seed_rule_is_told(void **state) {
+    static const double distances[] = {1e6, 400, 40};
+    const gw_rectangle all = {0, 0, SIDE, SIDE};
+    gw_predicted_error by_acuity = {0};
+    (void)state;
+    check_ok(gw_predict_error(stage.scene, stage.octree, &camera.placement, &camera.plane, &all,
+                              &camera.state, &by_acuity, &error));
+    for (int k = 0; k < 6; k++) {
+        gw_camera ruled = camera;
+        gw_frame_state *s = &ruled.state;
+        gw_predicted_error sum = {0};
+        s->gaze_rule = GW_GAZE_SEED;
+        s->seed_distance = (float)distances[k % 3];
+        s->tau = k < 3 ? 1 : 0;
+        s->samples = k < 3 ? 2 : 0; /* four rays a pixel */
+        check_ok(gw_predict_error(stage.scene, stage.octree, &ruled.placement, &ruled.plane, &all, s, &sum,
+                                  &error));
+        double worst = 0, mean = 0;
+        for (int y = 16; y < SIDE; y += 32)
+            for (int x = 16; x < SIDE; x += 32) {
+                const double limit =
+                    fmax(1, look(s, (double)s->acuity_slope, (double)s->gaze_margin, x, y).spacing);
+                const double levels = log2(1 + distance_on_the_wall(s, x, y) / distances[k % 3]);
+                const double blur = exp2(fmin(fmax(2 * levels - 1, 0), 1)),
+                             voxel = k < 3 ? exp2(levels) / 2 : 0;
+                const double here = fmax(1, fmax(blur > 1 ? blur : 0, voxel) / limit);
+                worst = fmax(worst, here);
+                mean += here / (SIDE / 32 * (SIDE / 32));
+            }
+        print_message("# seed_distance %g mm, tau %g: error %.3f at worst, %.3f on average\n",
+                      distances[k % 3], (double)s->tau, sum.worst, gw_predicted_error_mean(&sum));
+        assert_true(fabs(sum.worst - worst) < 1e-3 * worst);
+        assert_true(fabs(gw_predicted_error_mean(&sum) - mean) < 1e-3 * mean);
+        assert_true(k % 3 > 0 || sum.worst == 1);
+        assert_true(k != 2 || sum.worst > 2 * by_acuity.worst);
     }
 }
 
@@ -223,6 +282,7 @@ static void strain_is_its_settings(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(it_is_what_the_formula_says),
+        cmocka_unit_test(the_seed_rule_is_told),
         cmocka_unit_test(special_cases),
         cmocka_unit_test(splits_add_up),
         cmocka_unit_test(they_are_those_that_are_drawn),

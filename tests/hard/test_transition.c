@@ -1,8 +1,9 @@
 /* The way from sharp to coarse cannot be found: a textured wall, a fence, foliage and a mirror crossed by the
  * ellipsoid's border, 60 pixels a degree, compared with 16 exact rays a pixel behind the acuity of the viewer
  * (FLIP). Half a degree beside half a degree, the error that is seen does not step where levels change, and
- * while the gaze drifts nothing jumps; without blending both tests fail. Where rates change it does step:
- * bounded and told. */
+ * while the gaze drifts nothing jumps; without blending both tests fail. Where pixels begin to share rays it
+ * rises by little, and by much more if voxels go by the squares or silhouettes only gain; where four by four
+ * do, what single rays miss is bounded and told. */
 #include "tests/support/check.h"
 
 #include "base/memory.h"
@@ -176,11 +177,15 @@ static gw_image seen(const gw_stage *stage, gw_camera viewer, const gw_image *pi
 
 enum { WIDE = 1024, HIGH = 32, BAND = 32, BANDS = WIDE / BAND };
 
-/* The seen error: mean, and the largest rise from one band of half a degree to the next. */
+/* The seen error: mean, the largest rise from one band of half a degree to the next, and how much larger it
+ * is in a degree and a half beyond the borders of pairs and of squares of four pixels than before them. */
 typedef struct seen_error {
     double mean, step;
     int where; /* first column of the band that it steps up to */
+    double rise[2];
 } seen_error;
+
+static const int border_bands[2] = {576 / BAND, 768 / BAND};
 
 static seen_error error_of(const gw_stage *stage, gw_renderer *renderer, const gw_camera *viewer,
                            const gw_image *exact, const gw_camera *camera) {
@@ -188,7 +193,7 @@ static seen_error error_of(const gw_stage *stage, gw_renderer *renderer, const g
     seen_error out = {0};
     gw_image picture = take(camera, renderer, WIDE, HIGH), coarse = seen(stage, *viewer, &picture);
     check_ok(gw_flip(exact, &coarse, pixels_per_degree, map, &out.mean, &error));
-    double before = INFINITY;
+    double before = INFINITY, bands[BANDS];
     for (int band = 0; band < BANDS; ++band) {
         double sum = 0;
         for (int i = 0; i < BAND * HIGH; ++i)
@@ -197,8 +202,11 @@ static seen_error error_of(const gw_stage *stage, gw_renderer *renderer, const g
             out.step = sum - before;
             out.where = band * BAND;
         }
-        before = sum;
+        before = bands[band] = sum;
     }
+    for (int border = 0; border < 2; ++border)
+        for (int i = 0; i < 3; ++i)
+            out.rise[border] += (bands[border_bands[border] + i] - bands[border_bands[border] - 1 - i]) / 3;
     gw_image_finish(&picture);
     gw_image_finish(&coarse);
     return out;
@@ -206,42 +214,84 @@ static seen_error error_of(const gw_stage *stage, gw_renderer *renderer, const g
 
 /* A sharp circle of 2.5 degrees and 5 of margin, as on the wall of 35 panels; the gaze at the strip's end, so
  * that levels begin to change at 2.5 degrees, rates at 9.6 and 12.7. */
+typedef struct viewed {
+    gw_stage stage;
+    gw_renderer *renderer;
+    gw_camera shipped;
+    gw_image exact;
+} viewed;
+
+static void view(viewed *v, thing what, const char *shaders) {
+    check_ok(gw_stage_open(&v->stage, make(what), shaders, (const char *const[]){"octree_depth=11", NULL},
+                           &error));
+    v->renderer = gw_stage_renderer(&v->stage);
+    v->shipped = look(&v->stage, WIDE, HIGH, 0, 2.5, 5, 2);
+    const gw_camera full = exactly(v->shipped);
+    gw_image picture = take(&full, v->renderer, WIDE, HIGH);
+    assert_true(gw_mean_difference(picture.rgba, picture.rgba + 16, WIDE * HIGH - 4) >
+                5); /* it shows something */
+    v->exact = seen(&v->stage, v->shipped, &picture);
+    gw_image_finish(&picture);
+}
+
+static void view_no_more(viewed *v) {
+    gw_image_finish(&v->exact);
+    gw_renderer_destroy(&v->renderer);
+    gw_stage_close(&v->stage);
+}
+
+static const double most_at_pairs = 0.025;
+
 static void the_border_cannot_be_found(void **state) {
     static const struct {
-        double levels_mean, mean, rate_step; /* most */
-    } limits[THINGS] = {{0.04, 0.065, 0.07}, {0.08, 0.12, 0.14}, {0.06, 0.09, 0.06}, {0.06, 0.09, 0.13}};
+        double levels_mean, mean, fours; /* most */
+    } limits[THINGS] = {{0.04, 0.05, 0.045}, {0.08, 0.09, 0.07}, {0.06, 0.08, 0.095}, {0.06, 0.06, 0.045}};
     const double level_step = 0.028; /* content alone makes steps of 0.015 */
     double naive_most = 0;
     (void)state;
     for (int what = 0; what < THINGS; ++what) {
-        gw_stage stage;
-        check_ok(gw_stage_open(&stage, make((thing)what), NULL,
-                               (const char *const[]){"octree_depth=11", NULL}, &error));
-        gw_renderer *renderer = gw_stage_renderer(&stage);
-        const gw_camera shipped = look(&stage, WIDE, HIGH, 0, 2.5, 5, 2), full = exactly(shipped);
-        gw_camera levels = shipped;
+        viewed v;
+        view(&v, (thing)what, NULL);
+        gw_camera levels = v.shipped;
         levels.state.sample_block = 0;
         const gw_camera naive = without_blending(levels);
-        gw_image picture = take(&full, renderer, WIDE, HIGH), exact = seen(&stage, shipped, &picture);
-        assert_true(gw_mean_difference(picture.rgba, picture.rgba + 16, WIDE * HIGH - 4) >
-                    5); /* it shows something */
-        seen_error all = error_of(&stage, renderer, &shipped, &exact, &shipped),
-                   by_levels = error_of(&stage, renderer, &shipped, &exact, &levels),
-                   in_steps = error_of(&stage, renderer, &shipped, &exact, &naive);
+        seen_error all = error_of(&v.stage, v.renderer, &v.shipped, &v.exact, &v.shipped),
+                   by_levels = error_of(&v.stage, v.renderer, &v.shipped, &v.exact, &levels),
+                   in_steps = error_of(&v.stage, v.renderer, &v.shipped, &v.exact, &naive);
         print_message(
-            "%s: FLIP seen %.4f, largest step %.3f at column %d; a ray a pixel %.4f, %.3f at %d; without "
-            "blending %.4f, %.3f at %d\n",
-            names[what], all.mean, all.step, all.where, by_levels.mean, by_levels.step, by_levels.where,
+            "# %s: FLIP seen %.4f, rises by %.3f at pairs, %.3f at fours; a ray a pixel %.4f, largest "
+            "step %.3f at column %d; without blending %.4f, %.3f at %d\n",
+            names[what], all.mean, all.rise[0], all.rise[1], by_levels.mean, by_levels.step, by_levels.where,
             in_steps.mean, in_steps.step, in_steps.where);
-        assert_true(all.mean <= limits[what].mean && all.step <= limits[what].rate_step);
+        assert_true(all.mean <= limits[what].mean);
+        assert_true(all.rise[0] <= most_at_pairs && all.rise[1] <= limits[what].fours);
         assert_true(by_levels.mean <= limits[what].levels_mean && by_levels.step <= level_step);
         naive_most = fmax(naive_most, in_steps.step);
-        gw_image_finish(&picture);
-        gw_image_finish(&exact);
-        gw_renderer_destroy(&renderer);
-        gw_stage_close(&stage);
+        view_no_more(&v);
     }
     assert_true(naive_most > 1.4 * level_step); /* the fence shows the border */
+}
+
+/* Voxels that go by the squares double where rates change; silhouettes that win pixels where a ray meets them
+ * and lose none where it misses grow there. */
+static void naive_rates_show_their_border(void **state) {
+    static const struct {
+        thing what;
+        const char *folder, *file, *define;
+    } naives[2] = {{FENCE, "of-squares", "trace/pixel.glsl", "VOXELS_OF_SQUARES"},
+                   {FOLIAGE, "one-way", "blend/edges.glsl", "MISSES_SAY_NOTHING"}};
+    (void)state;
+    for (int i = 0; i < 2; ++i) {
+        char folder[512];
+        viewed v;
+        view(&v, naives[i].what,
+             gw_naive_shaders(folder, naives[i].folder, naives[i].file, naives[i].define));
+        seen_error all = error_of(&v.stage, v.renderer, &v.shipped, &v.exact, &v.shipped);
+        print_message("# %s, %s: FLIP seen %.4f, rises by %.3f at pairs, %.3f at fours\n",
+                      names[naives[i].what], naives[i].define, all.mean, all.rise[0], all.rise[1]);
+        assert_true(all.rise[0] > 1.5 * most_at_pairs);
+        view_no_more(&v);
+    }
 }
 
 /* Flicker that is seen while the gaze drifts by 1.5 pixels a frame, against the still reference; a small
@@ -286,7 +336,7 @@ static void nothing_jumps_while_the_gaze_drifts(void **state) {
                       names[what], levels.largest, levels.pop, naive.largest, naive.pop, all.largest,
                       all.pop);
         assert_true(levels.largest <= 0.02 && levels.pop <= 0.0012);
-        assert_true(all.pop <= 0.03);
+        assert_true(all.pop <= 0.01);
         naive_most = fmax(naive_most, naive.pop);
         gw_stage_close(&stage);
     }
@@ -296,6 +346,7 @@ static void nothing_jumps_while_the_gaze_drifts(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_border_cannot_be_found),
+        cmocka_unit_test(naive_rates_show_their_border),
         cmocka_unit_test(nothing_jumps_while_the_gaze_drifts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -8,6 +8,10 @@ static inline double gw_dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+static inline double gw_length(const double v[3]) {
+    return sqrt(gw_dot(v, v));
+}
+
 static inline void gw_cross(const double a[3], const double b[3], double out[3]) {
     out[0] = a[1] * b[2] - a[2] * b[1];
     out[1] = a[2] * b[0] - a[0] * b[2];

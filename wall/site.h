@@ -58,7 +58,21 @@ typedef struct gw_site {
 /* One machine, headless, mono panels that show sRGB as it is. Leaves layout alone. */
 void gw_site_defaults(gw_site *site);
 
-/* Reads a site file. */
+/* What is probably not meant, but can be run: the line of the file and a sentence for each. */
+enum { GW_MAXIMUM_NOTES = 32 };
+typedef struct gw_site_notes {
+    uint32_t count, left_out; /* listed; beyond the list's end */
+    struct {
+        int line;
+        char text[256];
+    } notes[GW_MAXIMUM_NOTES];
+} gw_site_notes;
+
+/* Reads a site file (docs/sites.md). GW_BAD_INPUT "FILE:LINE: ..." for what cannot be run. */
 gw_code gw_site_load(const char *path, gw_site *out, gw_error *error);
+gw_code gw_site_load_noting(const char *path, gw_site *out, gw_site_notes *notes, gw_error *error);
+/* The same from memory; name stands for the path in messages. */
+gw_code gw_site_parse(const char *text, size_t size, const char *name, gw_site *out, gw_site_notes *notes,
+                      gw_error *error);
 
 #endif

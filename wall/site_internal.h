@@ -14,6 +14,7 @@ typedef struct gw_site_source {
     const gw_yaml_node *root;
     const gw_yaml_node *tiles[GW_MAXIMUM_TILES];  /* the tile's own entry, or the generator's */
     const gw_yaml_node *panels[GW_MAXIMUM_TILES]; /* the innermost map of panel keys, or the tile's entry */
+    gw_site_notes *notes;
 } gw_site_source;
 
 /* A map that has only the keys `names`. key is what messages call the map. */
@@ -28,7 +29,33 @@ gw_code gw_site_number(const gw_yaml_node *map, const char *key, double minimum,
 gw_code gw_site_text(const gw_yaml_node *map, const char *key, const char *others, size_t size, char *out,
                      gw_error *error);
 
-/* Keys panel, panels and hosts of the site, and the key panel of measured tiles. After the layout. */
+/* [across, down] in whole pixels, which must be there. */
+gw_code gw_site_pixels(const gw_yaml_node *map, const char *key, uint32_t minimum, uint32_t out[2],
+                       gw_error *error);
+/* [x, y, z] in mm. */
+gw_code gw_site_point(const gw_yaml_node *node, const char *key, double out[3], gw_error *error);
+/* Key name, which must be there: of a tile or a wall. */
+gw_code gw_site_name(const gw_yaml_node *map, char out[32], gw_error *error);
+
+/* A warning at a node; beyond the list's end it is only counted. */
+void gw_site_note(gw_site_source *source, const gw_yaml_node *node, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* Tiles measured one by one. size: key framed_size of the site, or NULL. */
+gw_code gw_site_read_tiles(gw_site_source *source, const gw_yaml_node *list, const gw_yaml_node *size,
+                           gw_layout *out, gw_error *error);
+
+/* Tiles by a generator: kind is "grid", "curve" or "walls", node its value. */
+gw_code gw_site_generate(gw_site_source *source, const char *kind, const gw_yaml_node *node, gw_layout *out,
+                         gw_error *error);
+
+/* What only the whole site shows: tiles in each other's way, an eye behind a panel, sizes that cannot be mm,
+ * panels driven twice. The last step of reading; gw_site_check_space is its first part. */
+gw_code gw_site_check(gw_site_source *source, const gw_site *site, gw_error *error);
+
+gw_code gw_site_check_space(gw_site_source *source, const gw_site *site, gw_error *error);
+
+/* Keys panel, panels and hosts of the site, and the key panel of tiles and walls. After the layout. */
 gw_code gw_site_read_panels(gw_site_source *source, gw_site *site, gw_error *error);
 
 #endif

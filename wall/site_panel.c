@@ -179,10 +179,17 @@ static gw_code unknown_tile(const gw_yaml_node *node, const char *name, const gw
                         near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
 }
 
-/* Panels of single tiles: of the map panels, or the tile's own key panel. */
+/* Panels of single tiles: the key panel of the tile or its wall, then the map panels. */
 static gw_code read_single(gw_site_source *source, gw_site *site, gw_error *error) {
     const gw_yaml_node *map = gw_yaml_find(source->root, "panels");
     gw_code code = map ? gw_yaml_expect(map, GW_YAML_MAP, "panels", error) : GW_OK;
+    for (uint32_t t = 0; t < site->layout.tile_count && !code; t++) {
+        const gw_yaml_node *panel = gw_yaml_find(source->tiles[t], "panel");
+        if (!panel)
+            continue;
+        source->panels[t] = panel;
+        code = read_panel(panel, "panel", &site->panels[t], error);
+    }
     for (size_t i = 0; map && !code && i < gw_yaml_count(map); i++) {
         const gw_yaml_node *panel = gw_yaml_value(map, i);
         uint32_t t = 0;
@@ -192,13 +199,6 @@ static gw_code read_single(gw_site_source *source, gw_site *site, gw_error *erro
             return unknown_tile(panel, gw_yaml_key(map, i), &site->layout, error);
         source->panels[t] = panel;
         code = read_panel(panel, "panels", &site->panels[t], error);
-    }
-    for (uint32_t t = 0; t < site->layout.tile_count && !code; t++) {
-        const gw_yaml_node *panel = gw_yaml_find(source->tiles[t], "panel");
-        if (!panel)
-            continue;
-        source->panels[t] = panel;
-        code = read_panel(panel, "panel", &site->panels[t], error);
     }
     return code;
 }

@@ -87,6 +87,14 @@ gw_code gw_wall_layout(const gw_wall_options *options, gw_layout *out, gw_error 
     return code;
 }
 
+gw_code gw_choose_gaze(gw_gaze_choice *choice, gw_gaze_choice wanted, gw_error *error) {
+    if (*choice != GW_GAZE_FROM_TRACK && *choice != wanted)
+        return gw_fail(error, GW_BAD_INPUT,
+                       "--gaze says where somebody looks, --no-gaze that nobody does; leave out one of them");
+    *choice = wanted;
+    return GW_OK;
+}
+
 enum {
     KEY_TILES = 0x2000,
     KEY_SIZE,
@@ -211,6 +219,7 @@ static gw_code parse_wall(int key, const char *argument, gw_wall_options *wall, 
         return gw_parse_integers("--rows", argument, GW_MAXIMUM_TILES, GW_MAXIMUM_WALL_SIDE, wall->heights,
                                  &wall->height_count, error);
     case KEY_WALL_WIDTH:
+        wall->wall_width_given = 1;
         return gw_parse_number("--wall-width", argument, 10, 1e6, &wall->wall_width, error);
     case KEY_BEZEL:
         return gw_parse_number("--bezel", argument, 0, 1000, &wall->bezel, error);
@@ -256,14 +265,15 @@ static gw_code parse_frames(int key, const char *argument, gw_sim_options *optio
     case KEY_STEP:
         return gw_parse_number("--step", argument, 0, 3600, &options->step, error);
     case KEY_GAZE:
-        options->gaze = GW_GAZE_AT_PIXEL;
-        return gw_parse_numbers("--gaze", argument, 2, options->gaze_pixel, error);
+        code = gw_choose_gaze(&options->gaze, GW_GAZE_AT_PIXEL, error);
+        return code ? code : gw_parse_numbers("--gaze", argument, 2, options->gaze_pixel, error);
     case KEY_STILL:
         code = gw_parse_numbers("--still", argument, 2, options->still, error);
         if (!code && !(options->still[0] >= 0 && options->still[0] <= 100 && options->still[1] >= 0 &&
                        options->still[1] <= 10))
-            code = gw_fail(error, GW_BAD_INPUT, "--still '%s' is out of range; it must be 0,0 to 100,10",
-                           argument);
+            code =
+                gw_fail(error, GW_BAD_INPUT,
+                        "--still '%s' is out of range; it must be MM,DEGREES from 0,0 to 100,10", argument);
         return code;
     case KEY_BUDGET:
         return gw_parse_number("--budget", argument, 0.1, 60000, &options->budget_ms, error);
@@ -311,7 +321,7 @@ static error_t parse_sim(int key, char *argument, struct argp_state *state) {
         code = parse_builders(key, argument, options, error);
         break;
     case KEY_NO_GAZE:
-        options->gaze = GW_GAZE_NONE;
+        code = gw_choose_gaze(&options->gaze, GW_GAZE_NONE, error);
         break;
     case KEY_TRACK:
         options->track = argument;
@@ -372,6 +382,10 @@ gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *he
         return gw_fail(
             error, GW_BAD_INPUT,
             "--states holds what a budget decided in every frame; leave out --budget and --budget-rays");
+    if (out->draw.settings.accumulate <= 1 && (out->still[0] > 0 || out->still[1] > 0))
+        return gw_fail(
+            error, GW_BAD_INPUT,
+            "--still says what stands still while samples add up, and none do; give --set accumulate=N, too");
     if (out->states && (code = gw_draw_options_decide_frames(&out->draw, error)))
         return code;
     if (out->states && (out->still[0] > 0 || out->still[1] > 0))

@@ -17,7 +17,7 @@ typedef struct gw_wall_options {
     size_t width_count, height_count;                             /* 0: an even one */
     double wall_width, bezel;                                     /* mm */
     const char *site;
-    int tiles_given, size_given;
+    int tiles_given, size_given, wall_width_given;
     gw_stereo stereo; /* of every panel, if stereo_given */
     int stereo_given;
     double eye_distance; /* mm; negative: the site's */
@@ -31,6 +31,8 @@ gw_code gw_wall_site(const gw_wall_options *options, gw_site *out, gw_error *err
 gw_code gw_wall_layout(const gw_wall_options *options, gw_layout *out, gw_error *error);
 
 typedef enum gw_gaze_choice { GW_GAZE_FROM_TRACK, GW_GAZE_AT_PIXEL, GW_GAZE_NONE } gw_gaze_choice;
+/* Takes what --gaze or --no-gaze wants, unless the other one was given. */
+gw_code gw_choose_gaze(gw_gaze_choice *choice, gw_gaze_choice wanted, gw_error *error);
 
 typedef struct gw_sim_options {
     gw_draw_options draw; /* first: its parser is a child of this one's */

@@ -261,6 +261,26 @@ static gw_code prepare(bench_options *o, int argc, char **argv, gw_error *error)
     return GW_OK;
 }
 
+/* What a bench would not heed is refused: nobody should take its figures for others. */
+static gw_code check_heeded(const bench_options *o, gw_error *error) {
+    const gw_bench *bench = &o->bench;
+    gw_code (*const run)(gw_bench *, gw_error *) = o->kind->run;
+    const int modes = run == gw_bench_modes_run, aliasing = run == gw_bench_aliasing;
+    const int draws =
+        modes || aliasing || run == gw_bench_peers || run == gw_bench_layouts || run == gw_bench_resident;
+    const char *lost = bench->size[0] && !draws               ? "--size"
+                       : bench->frames && !modes && !aliasing ? "--frames"
+                       : bench->path && !modes                ? "--path"
+                       : bench->point_light && !modes         ? "--point-light"
+                                                              : NULL;
+    if (lost)
+        return gw_fail(error, GW_BAD_INPUT, "bench %s has no use for %s; leave it out", o->kind->name, lost);
+    return o->kind->needs == NEEDS_NOTHING && bench->draw.scene
+               ? gw_fail(error, GW_BAD_INPUT, "bench %s makes its own scenes: leave --scene out",
+                         o->kind->name)
+               : GW_OK;
+}
+
 int gw_verb_bench(int argc, char **argv) {
     static bench_options o;
     char all[200];
@@ -272,11 +292,10 @@ int gw_verb_bench(int argc, char **argv) {
     gw_code code = gw_arguments_parse(&bench_argp, argc, argv, &o, &helped, &error);
     if (helped && !code)
         return GW_OK;
-    if (!code && o.kind && o.kind->needs == NEEDS_NOTHING && bench->draw.scene)
-        code =
-            gw_fail(&error, GW_BAD_INPUT, "bench %s makes its own scenes: leave --scene out", o.kind->name);
     if (!code && !o.kind)
         code = gw_fail(&error, GW_BAD_INPUT, "say what to measure: gazewall bench %s", names_of_kinds(all));
+    if (!code)
+        code = check_heeded(&o, &error);
     if (!code)
         code = gw_file_writable(bench->draw.report, &error);
     if (!code && bench->out)

@@ -89,8 +89,9 @@ static gw_code parse_view(int key, const char *argument, render_options *o, gw_e
         o->has_fov = 1;
         return gw_parse_number("--fov", argument, 1, 170, &o->fov, error);
     case KEY_GAZE:
-        o->gaze = GW_GAZE_AT_PIXEL;
-        return gw_parse_numbers("--gaze", argument, 2, o->gaze_pixel, error);
+        return gw_choose_gaze(&o->gaze, GW_GAZE_AT_PIXEL, error)
+                   ? error->code
+                   : gw_parse_numbers("--gaze", argument, 2, o->gaze_pixel, error);
     default:
         return gw_parse_integer("--frame", argument, 0, 1000000, &o->frame, error);
     }
@@ -108,6 +109,7 @@ static error_t parse_render(int key, char *argument, struct argp_state *state) {
         code = gw_parse_pair("--size", argument, GW_MAXIMUM_WALL_SIDE, o->wall.size, error);
         break;
     case KEY_WALL_WIDTH:
+        o->wall.wall_width_given = 1;
         code = gw_parse_number("--wall-width", argument, 10, 1e6, &o->wall.wall_width, error);
         break;
     case KEY_OUT:
@@ -132,7 +134,7 @@ static error_t parse_render(int key, char *argument, struct argp_state *state) {
         o->states = argument;
         break;
     case KEY_NO_GAZE:
-        o->gaze = GW_GAZE_NONE;
+        code = gw_choose_gaze(&o->gaze, GW_GAZE_NONE, error);
         break;
     case KEY_EYE:
     case KEY_LOOK_AT:
@@ -170,6 +172,10 @@ static gw_code check_view(const render_options *o, gw_error *error) {
     if (o->path && (o->has_eye || o->viewpoint))
         return gw_fail(error, GW_BAD_INPUT, "--path is a camera already; leave out %s",
                        o->viewpoint ? "--viewpoint" : "--eye and --look-at");
+    if (o->wall.wall_width_given && (o->has_eye || o->viewpoint || o->path))
+        return gw_fail(error, GW_BAD_INPUT,
+                       "--wall-width is that of a wall with a viewer before it; a camera (--eye, "
+                       "--viewpoint, --path) has --fov instead");
     if (o->has_fov && !o->has_eye && !o->viewpoint && !o->path)
         return gw_fail(error, GW_BAD_INPUT,
                        "--fov needs a camera: --eye and --look-at, --viewpoint, or --path");

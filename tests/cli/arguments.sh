@@ -56,6 +56,12 @@ expect "tau out of range" 2 "--tau" render --tau -1
 expect "a choice that is none" 2 "hybrid" render --set geometry=cubes
 expect "half a point" 2 "--gaze '10' is not 2 numbers" render --gaze 10
 expect "a point with too much" 2 "--eye '1,2,3,4' is not 3 numbers" render --eye 1,2,3,4 --look-at 0,0,0
+expect "a gaze and none" 2 "leave out one of them" sim --gaze 10,20 --no-gaze
+expect "none and a gaze" 2 "leave out one of them" render --no-gaze --gaze 10,20
+expect "standing still for nothing" 2 "give --set accumulate=N, too" sim --still 1,1
+expect "a camera before no wall" 2 "--wall-width is that of a wall" render --path 0 --wall-width 500
+expect "a size that a bench cannot heed" 2 "bench scale has no use for --size" bench scale --size 64x64
+expect "a path that a bench cannot heed" 2 "bench peers has no use for --path" bench peers --path 0
 expect "half a camera" 2 "--eye and --look-at belong together" render --eye 1,2,3
 expect "a field of view alone" 2 "--fov needs a camera" render --fov 40
 expect "a field of view out of range" 2 "--fov 200 is out of range" render --eye 1,2,3 --look-at 0,0,0 --fov 200

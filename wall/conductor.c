@@ -17,7 +17,7 @@ gw_code gw_conductor_init(gw_conductor *conductor, struct gw_rank *rank, int arg
     const gw_sim_options *options = &rank->options;
     for (int i = 0; i < GW_MAXIMUM_TILES; i++)
         conductor->lost_frame[i] = -1;
-    gw_code code = gw_conductor_create_report(conductor, argc, argv, error);
+    gw_code code = gw_conductor_create_report(conductor, rank, argc, argv, error);
     if (!code)
         code = gw_conductor_choose_source(conductor, rank, error);
     if (!code)
@@ -147,7 +147,9 @@ static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_
 gw_code gw_conductor_run(gw_conductor *conductor, struct gw_rank *rank, gw_error *error) {
     gw_code code = GW_OK;
     int64_t start = gw_now_ns();
-    for (uint32_t frame = 0; frame < conductor->frame_count && !code; frame++) {
+    uint32_t frame = 0;
+    /* An interruption ends the run after this frame, with what there is: states, rows, report. */
+    for (; frame < conductor->frame_count && !code && !(frame && gw_link_stop(&rank->line)); frame++) {
         char text[64] = "drawing frames";
         if (conductor->seen.places)
             snprintf(text, sizeof text, "drawing frames, error %.1f times", conductor->seen.worst);
@@ -156,5 +158,6 @@ gw_code gw_conductor_run(gw_conductor *conductor, struct gw_rank *rank, gw_error
     }
     promise(rank, patience_of(conductor, rank, 0), 0);
     gw_gate_quit(conductor->gate);
+    conductor->frame_count = frame;
     return code ? code : gw_conductor_finish(conductor, rank, error);
 }

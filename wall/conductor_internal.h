@@ -13,7 +13,8 @@ void gw_conductor_make_state(gw_conductor *conductor, const struct gw_rank *rank
                              gw_frame_state *state);
 
 /* The report, with the command as the user gave it. */
-gw_code gw_conductor_create_report(gw_conductor *conductor, int argc, char **argv, gw_error *error);
+gw_code gw_conductor_create_report(gw_conductor *conductor, const struct gw_rank *rank, int argc, char **argv,
+                                   gw_error *error);
 /* frames.csv in the folder. */
 gw_code gw_conductor_open_rows(gw_conductor *conductor, const char *folder, gw_error *error);
 /* One row of it; presented and slowest in ms. */

@@ -15,17 +15,26 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The command as the user gave it: sim's words without the launcher's own --link, which stands first. */
-gw_code gw_conductor_create_report(gw_conductor *conductor, int argc, char **argv, gw_error *error) {
+/* The words that the launcher put before the user's. */
+static int is_own_word(const char *word) {
+    return !strncmp(word, "--verb=", 7) || !strncmp(word, "--link=", 7);
+}
+
+/* The command as the user gave it. */
+gw_code gw_conductor_create_report(gw_conductor *conductor, const struct gw_rank *rank, int argc, char **argv,
+                                   gw_error *error) {
     char **words = NULL;
     gw_code code = gw_allocate((void **)&words, (size_t)argc + 1, sizeof *words, "report", error);
     if (code)
         return code;
-    static char program[] = "gazewall", verb[] = "sim";
+    static char program[] = "gazewall", verb[] = "sim", wall[] = "wall";
     int count = 0;
     words[count++] = program;
-    words[count++] = verb;
-    for (int i = 2; i < argc; i++)
+    words[count++] = rank->options.cluster ? wall : verb;
+    int first = 1;
+    while (first < argc && is_own_word(argv[first]))
+        first++;
+    for (int i = first; i < argc; i++)
         words[count++] = argv[i];
     code = gw_report_create(count, words, &conductor->report, error);
     free(words);
@@ -210,6 +219,7 @@ gw_code gw_conductor_finish(gw_conductor *conductor, struct gw_rank *rank, gw_er
         code = gw_states_save(options->save_states, conductor->states, conductor->frame_count, error);
     gw_report_tiles(conductor->report, &rank->site.layout, conductor->lost_frame);
     gw_report_frames(conductor->report, conductor->milliseconds, conductor->frame_count);
+    gw_report_ended(conductor->report, gw_link_stop(&rank->line));
     gw_report_counters(conductor->report, &conductor->counters);
     const gw_frame_state *last = &conductor->states[conductor->frame_count - 1];
     gw_report_predicted_error(conductor->report, &conductor->predicted, last,

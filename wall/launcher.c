@@ -1,8 +1,8 @@
-#include "wall/launcher.h"
+#include "wall/launcher_internal.h"
 
 #include "base/clock.h"
 #include "wall/interrupt.h"
-#include "wall/link.h"
+#include "wall/mpirun_command.h"
 #include "wall/mpirun_sweep.h"
 #include "wall/share.h"
 #include "wall/verbs.h"
@@ -13,58 +13,19 @@
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/prctl.h>
 #include <sys/signalfd.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { GRACE_MS = 2000, POLL_MS = 200, NOISE_BYTES = 8192 };
-
-typedef struct rank_line {
-    int socket; /* -1: not connected (yet, or any more) */
-    pid_t pid;
-    int number; /* -1 until it said hello */
-    int ready, left;
-} rank_line;
-
-typedef struct launcher {
-    const gw_launch_plan *plan;
-    const gw_layout *layout; /* the plan's */
-    gw_console *console;     /* the plan's */
-    char link_name[64];
-    int listener, signals, output; /* sockets and the pipe from mpirun */
-    pid_t mpirun;
-    int mpirun_ended;
-    rank_line ranks[GW_MAXIMUM_TILES];
-    uint32_t rank_count;
-    uint32_t ready_count;
-    int64_t promised;        /* ns, when rank 0 must have been heard again; 0: it has not begun */
-    uint32_t job;            /* MPI's number of this run, or 0 */
-    int has_result;          /* rank 0 has told how the run ended */
-    int interrupted;         /* signal number, or 0 */
-    gw_error *result;        /* code GW_OK until something else is known */
-    char noise[NOISE_BYTES]; /* what mpirun printed last, for when it fails to start */
-    size_t noise_size;
-} launcher;
+enum { GRACE_MS = 2000, POLL_MS = 200, FINISH_S = 15 };
 
 /* --- starting
  * ---------------------------------------------------------------------------------------------------- */
-
-enum { MAXIMUM_WORDS = 512 };
-
-typedef struct words {
-    char *word[MAXIMUM_WORDS];
-    size_t count;
-} words;
-
-static void add_word(words *list, const char *word) {
-    /* The program's own words and argv's; argc is checked against the room before. */
-    list->word[list->count++] = (char *)(uintptr_t)word;
-    list->word[list->count] = NULL;
-}
 
 static gw_code own_path(char path[4096], gw_error *error) {
     ssize_t length = readlink("/proc/self/exe", path, 4095);
@@ -75,43 +36,41 @@ static gw_code own_path(char path[4096], gw_error *error) {
     return GW_OK;
 }
 
-/* gazewall launch PID mpirun ... gazewall rank --link=NAME, the user's words. */
-static gw_code make_command(const launcher *l, char *path, char *pid, char *count, char *link, words *out,
-                            gw_error *error) {
-    if (l->plan->argc > MAXIMUM_WORDS - 32)
-        return gw_fail(error, GW_BAD_INPUT, "the command line has %d words; at most %d are possible",
-                       l->plan->argc, MAXIMUM_WORDS - 32);
-    sprintf(pid, "%ld", (long)getpid());
-    sprintf(count, "%" PRIu32, l->layout->tile_count);
-    snprintf(link, 80, "--link=%s", l->link_name);
-    const char *const head[] = {path,        "launch", pid,      "mpirun", "--enable-recovery",
-                                "--bind-to", "none",   "--quiet"};
-    for (size_t i = 0; i < sizeof head / sizeof head[0]; i++)
-        add_word(out, head[i]);
-    long processors = sysconf(_SC_NPROCESSORS_ONLN);
-    if ((long)l->layout->tile_count > processors) {
-        add_word(out, "--oversubscribe");
-        gw_log_write(&l->console->log, GW_LOG_INFO,
-                     "%" PRIu32 " ranks share %ld processors (mpirun --oversubscribe)", l->layout->tile_count,
-                     processors);
+/* gazewall launch PID mpirun ... gazewall rank --link=NAME, the user's words; without a listener from mpirun
+ * on. */
+static gw_code make_command(const gw_launch_plan *plan, const gw_link_listener *listener, const gw_log *log,
+                            gw_words *out, gw_error *error) {
+    char path[4096];
+    gw_code code = own_path(path, error);
+    if (code)
+        return code;
+    const gw_mpirun_plan how = {.site = plan->site,
+                                .hosts = plan->hosts,
+                                .listener = listener,
+                                .program = path,
+                                .verb = plan->verb,
+                                .agent = plan->agent,
+                                .argc = plan->argc,
+                                .argv = plan->argv};
+    if (listener) {
+        gw_words_add(out, "%s", path);
+        gw_words_add(out, "launch");
+        gw_words_add(out, "%ld", (long)getpid());
     }
-    if (geteuid() == 0) {
-        add_word(out, "--allow-run-as-root");
-        gw_log_write(&l->console->log, GW_LOG_INFO, "started as root (mpirun --allow-run-as-root)");
-    }
-    /* The ranks of one machine need no network, and copying through the other process's memory is often
-     * forbidden in containers. */
-    const char *const tail[] = {"--mca", "btl", "self,vader", "--mca", "btl_vader_single_copy_mechanism",
-                                "none",  "-np", count,        path,    "rank",
-                                link};
-    for (size_t i = 0; i < sizeof tail / sizeof tail[0]; i++)
-        add_word(out, tail[i]);
-    for (int i = 1; i < l->plan->argc; i++)
-        add_word(out, l->plan->argv[i]);
-    return GW_OK;
+    gw_mpirun_words(&how, log, out);
+    return out->failed ? gw_fail(error, GW_MACHINE, "memory is out while making the command") : GW_OK;
 }
 
-static gw_code spawn(launcher *l, char **command, gw_error *error) {
+gw_code gw_launch_show(const gw_launch_plan *plan, gw_error *error) {
+    gw_words words = {0};
+    gw_code code = make_command(plan, NULL, NULL, &words, error);
+    if (!code)
+        gw_mpirun_print(&words);
+    gw_words_finish(&words);
+    return code;
+}
+
+static gw_code spawn(gw_launcher *l, char **command, gw_error *error) {
     int ends[2];
     if (pipe2(ends, O_CLOEXEC))
         return gw_fail(error, GW_MACHINE, "no pipe to mpirun: %s", strerror(errno));
@@ -149,7 +108,7 @@ int gw_verb_launch(int argc, char **argv) {
     return GW_MACHINE;
 }
 
-static gw_code start(launcher *l, gw_error *error) {
+static gw_code take_signals(gw_launcher *l, gw_error *error) {
     /* From here on signals are read from a descriptor, in order with everything else that happens. */
     sigset_t taken;
     sigemptyset(&taken);
@@ -159,137 +118,51 @@ static gw_code start(launcher *l, gw_error *error) {
     sigaddset(&taken, SIGCHLD);
     sigprocmask(SIG_BLOCK, &taken, NULL);
     l->signals = signalfd(-1, &taken, SFD_CLOEXEC | SFD_NONBLOCK);
-    if (l->signals < 0)
-        return gw_fail(error, GW_MACHINE, "no descriptor for signals: %s", strerror(errno));
-    gw_code code = gw_link_listen(l->link_name, &l->listener, error);
-    if (code)
-        return code;
-    char path[4096], pid[24], count[16], link[80];
-    words command = {.count = 0};
-    code = own_path(path, error);
+    /* What mpirun leaves when it is killed - agents that speak to other hosts - becomes ours to end. */
+    prctl(PR_SET_CHILD_SUBREAPER, 1);
+    return l->signals < 0 ? gw_fail(error, GW_MACHINE, "no descriptor for signals: %s", strerror(errno))
+                          : GW_OK;
+}
+
+static gw_code start(gw_launcher *l, gw_error *error) {
+    const gw_hosts *hosts = l->plan->hosts;
+    gw_words words = {0};
+    gw_code code = take_signals(l, error);
     if (!code)
-        code = make_command(l, path, pid, count, link, &command, error);
-    return code ? code : spawn(l, command.word, error);
+        code = gw_hosts_check(hosts, error);
+    if (!code)
+        code = gw_program_hash(l->program, error);
+    if (!code)
+        code = gw_link_listen(hosts->remote ? hosts->listen : NULL, &l->listener, error);
+    if (!code && setenv(GW_LINK_SECRET, l->listener.secret, 1))
+        code = gw_fail(error, GW_MACHINE, "memory is out while starting the ranks");
+    if (!code)
+        code = make_command(l->plan, &l->listener, &l->console->log, &words, error);
+    if (!code)
+        code = spawn(l, words.word, error);
+    gw_words_finish(&words);
+    return code;
 }
 
 /* --- watching
  * ---------------------------------------------------------------------------------------------------- */
 
-static const char *tile_name(const launcher *l, const rank_line *r) {
-    return r->number >= 0 && r->number < (int)l->layout->tile_count ? l->layout->tiles[r->number].name
-                                                                    : "unknown";
-}
-
-/* The first failure stays: what follows is its consequence. */
-static void conclude(launcher *l, gw_code code, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
-static void conclude(launcher *l, gw_code code, const char *format, ...) {
-    if (l->has_result)
-        return;
-    l->has_result = 1;
-    char text[sizeof l->result->text];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    gw_fail(l->result, code, "%s", text);
-}
-
-static void take_message(launcher *l, rank_line *r, const gw_link_message *m) {
-    switch ((gw_link_kind)m->kind) {
-    case GW_LINK_HELLO:
-        r->number = m->value;
-        l->job = (uint32_t)strtoul(m->text, NULL, 10);
-        gw_log_write(&l->console->log, GW_LOG_DEBUG, "rank %d (tile %s) is process %ld", r->number,
-                     tile_name(l, r), (long)r->pid);
-        break;
-    case GW_LINK_LOG:
-        gw_log_write(&l->console->log, (gw_log_level)m->value, "%s", m->text);
-        break;
-    case GW_LINK_PROGRESS:
-        gw_log_progress(&l->console->log, m->text, m->fraction);
-        break;
-    case GW_LINK_READY:
-        r->ready = 1;
-        l->ready_count++;
-        break;
-    case GW_LINK_PROMISE:
-        l->promised = gw_now_ns() + (int64_t)(m->fraction * 1e9);
-        break;
-    case GW_LINK_PRINT:
-        gw_console_finish(l->console);
-        puts(m->text);
-        break;
-    case GW_LINK_FAILED:
-        r->left = 1;
-        /* Once all are ready, a tile that fails is rank 0's to judge. */
-        if (r->number == 0)
-            conclude(l, (gw_code)m->value, "%s", m->text);
-        else if (l->ready_count < l->layout->tile_count)
-            conclude(l, (gw_code)m->value, "tile %s: %s", tile_name(l, r), m->text);
-        else
-            gw_log_write(&l->console->log, GW_LOG_WARNING, "tile %s: %s", tile_name(l, r), m->text);
-        break;
-    case GW_LINK_LEFT:
-        r->left = 1;
-        break;
-    case GW_LINK_RESULT:
-        r->left = 1;
-        conclude(l, (gw_code)m->value,
-                 m->value == GW_TILES_LOST ? "finished, but not all tiles lasted to the end" : "");
-        break;
-    }
-}
-
-static void lost_rank(launcher *l, rank_line *r) {
-    close(r->socket);
-    r->socket = -1;
-    if (r->left || l->has_result)
-        return;
-    char text[256];
-    snprintf(text, sizeof text, "rank %d (tile %s, process %ld) died %s", r->number, tile_name(l, r),
-             (long)r->pid, l->ready_count < l->layout->tile_count ? "before the first frame" : "on the way");
-    if (r->number == 0 || l->ready_count < l->layout->tile_count)
-        conclude(l, GW_ENDED_EARLY, "%s", text);
-    else
-        gw_log_write(&l->console->log, GW_LOG_WARNING, "%s", text);
-}
-
-static void read_rank(launcher *l, rank_line *r) {
-    gw_link_message message;
-    int got;
-    while ((got = gw_link_receive(r->socket, &message)) > 0)
-        take_message(l, r, &message);
-    if (got < 0)
-        lost_rank(l, r);
-}
-
-static void take_ranks(launcher *l) {
-    pid_t pid;
-    for (int taken; (taken = gw_link_accept(l->listener, &pid)) >= 0;) {
-        if (l->rank_count == l->layout->tile_count)
-            close(taken);
-        else
-            l->ranks[l->rank_count++] = (rank_line){.socket = taken, .pid = pid, .number = -1};
-    }
-}
-
 /* A line that mpirun printed. Its noise about ranks that left without MPI_Finalize, as ours do, is for those
  * who look for trouble; anything else comes from a library or a sanitizer inside a rank and is worth seeing.
  */
-static void show_noise(launcher *l, const char *text, int length) {
+static void show_noise(gw_launcher *l, const char *text, int length) {
     if (length > 0)
         gw_log_write(&l->console->log,
                      memmem(text, (size_t)length, "PMIX ERROR", 10) ? GW_LOG_DEBUG : GW_LOG_WARNING,
                      "mpirun: %.*s", length, text);
 }
 
-static void read_output(launcher *l) {
+static void read_output(gw_launcher *l) {
     char buffer[1024];
     ssize_t size;
     while ((size = read(l->output, buffer, sizeof buffer)) > 0) {
         /* Before any rank has spoken it is mpirun itself: kept for blame_mpirun(). */
-        if (l->rank_count == 0) {
+        if (l->greeted_count == 0) {
             size_t room = sizeof l->noise - 1 - l->noise_size,
                    take = (size_t)size < room ? (size_t)size : room;
             memcpy(l->noise + l->noise_size, buffer, take);
@@ -309,94 +182,155 @@ static void read_output(launcher *l) {
     }
 }
 
-static void read_signals(launcher *l) {
-    struct signalfd_siginfo info;
-    while (read(l->signals, &info, sizeof info) == (ssize_t)sizeof info)
-        if (info.ssi_signo != SIGCHLD && !l->interrupted) {
-            l->interrupted = (int)info.ssi_signo;
-            conclude(l, (gw_code)(128 + info.ssi_signo), "interrupted");
-        }
-    int status;
-    if (!l->mpirun_ended && waitpid(l->mpirun, &status, WNOHANG) == l->mpirun)
-        l->mpirun_ended = 1;
+/* While frames are drawn, rank 0 is asked to end after this one and to write what there is; a second signal,
+ * or one before the first frame, ends everything at once. */
+static void interrupt(gw_launcher *l, int number) {
+    if (!l->interrupted && gw_launcher_all_ready(l) && !l->has_result) {
+        l->interrupted = number;
+        l->patience = gw_now_ns() + FINISH_S * INT64_C(1000000000);
+        gw_line_send(&l->ranks[0].line, GW_LINK_STOP, number, 0, "", 0);
+        return;
+    }
+    l->interrupted = number;
+    gw_launcher_conclude(l, (gw_code)(128 + number), "interrupted");
 }
 
-static void step(launcher *l, int timeout) {
-    struct pollfd wait[GW_MAXIMUM_TILES + 3];
-    wait[0] = (struct pollfd){.fd = l->listener, .events = POLLIN};
-    wait[1] = (struct pollfd){.fd = l->signals, .events = POLLIN};
-    wait[2] = (struct pollfd){.fd = l->output, .events = POLLIN};
-    nfds_t count = 3;
-    for (uint32_t i = 0; i < l->rank_count; i++)
-        wait[count++] = (struct pollfd){.fd = l->ranks[i].socket, .events = POLLIN};
+static void read_signals(gw_launcher *l) {
+    struct signalfd_siginfo info;
+    while (read(l->signals, &info, sizeof info) == (ssize_t)sizeof info)
+        if (info.ssi_signo != SIGCHLD)
+            interrupt(l, (int)info.ssi_signo);
+    /* Of others only those are ours that became it when their parent died. */
+    int status;
+    for (pid_t ended; (ended = waitpid(-1, &status, WNOHANG)) > 0;)
+        if (ended == l->mpirun) {
+            l->mpirun_ended = 1;
+            l->mpirun_status = status;
+        }
+}
+
+static void step(gw_launcher *l, int timeout) {
+    struct pollfd wait[GW_MAXIMUM_TILES + GW_LAUNCHER_STRANGERS + 4];
+    nfds_t count = 0;
+    /* A negative descriptor is one that poll() passes over. */
+    const int room = l->stranger_count < GW_LAUNCHER_STRANGERS;
+    wait[count++] = (struct pollfd){.fd = room ? l->listener.local : -1, .events = POLLIN};
+    wait[count++] = (struct pollfd){.fd = room ? l->listener.network : -1, .events = POLLIN};
+    wait[count++] = (struct pollfd){.fd = l->signals, .events = POLLIN};
+    wait[count++] = (struct pollfd){.fd = l->output, .events = POLLIN};
+    for (uint32_t i = 0; i < l->stranger_count; i++)
+        wait[count++] = (struct pollfd){.fd = l->strangers[i].line.socket, .events = POLLIN};
+    for (uint32_t i = 0; i < l->tile_count; i++)
+        wait[count++] = (struct pollfd){.fd = l->ranks[i].line.socket, .events = POLLIN};
     if (poll(wait, count, timeout) < 0)
         return;
-    take_ranks(l);
-    for (uint32_t i = 0; i < l->rank_count; i++)
-        if (l->ranks[i].socket >= 0)
-            read_rank(l, &l->ranks[i]);
+    gw_launcher_listen(l);
+    gw_launcher_ping(l);
     if (l->output >= 0)
         read_output(l);
     read_signals(l);
 }
 
-/* mpirun ended and nobody told why: it could not start the ranks, or MPI ended them. */
-static void blame_mpirun(launcher *l) {
+/* mpirun ended and nobody told why: it was killed, could not start the ranks, or MPI ended them. */
+static void blame_mpirun(gw_launcher *l) {
     enum { SHOWN = 1500 };
+    if (WIFSIGNALED(l->mpirun_status)) {
+        gw_launcher_conclude(l, GW_ENDED_EARLY, "mpirun was killed by signal %d", WTERMSIG(l->mpirun_status));
+        return;
+    }
     while (l->noise_size > 0 && (l->noise[l->noise_size - 1] == '\n' || l->noise[l->noise_size - 1] == ' '))
         l->noise_size--;
     int shown = l->noise_size > SHOWN ? SHOWN : (int)l->noise_size;
-    conclude(l, l->ready_count < l->layout->tile_count ? GW_MACHINE : GW_ENDED_EARLY,
-             "mpirun ended before the run did%s%.*s", shown ? "; its last words:\n" : " and said nothing",
-             shown, l->noise + l->noise_size - shown);
+    gw_launcher_conclude(l, l->greeted_count < l->tile_count ? GW_MACHINE : GW_ENDED_EARLY,
+                         "mpirun ended before the run did%s%.*s",
+                         shown ? "; its last words:\n" : " and said nothing", shown,
+                         l->noise + l->noise_size - shown);
 }
 
-static void watch(launcher *l) {
+static void blame_the_late(gw_launcher *l) {
+    char silent[512];
+    gw_launcher_silent(l, silent);
+    gw_launcher_conclude(l, GW_ENDED_EARLY,
+                         "only %" PRIu32 " of %" PRIu32 " ranks were ready after %.0f s; %s%s",
+                         l->ready_count, l->tile_count, l->plan->load_deadline,
+                         silent[0] ? "no sign of life from " : "raise --load-deadline", silent);
+}
+
+static void watch(gw_launcher *l) {
     int64_t deadline = gw_now_ns() + (int64_t)(l->plan->load_deadline * 1e9);
     while (!l->has_result) {
         step(l, POLL_MS);
+        int64_t now = gw_now_ns();
         if (l->mpirun_ended && !l->has_result) {
             step(l, 0); /* what the ranks said last may still be in their lines */
             blame_mpirun(l);
         }
-        if (l->promised && gw_now_ns() > l->promised)
-            conclude(l, GW_ENDED_EARLY, "rank 0 (tile %s) hangs: it was not heard when it should have been",
-                     l->layout->tiles[0].name);
-        if (l->ready_count < l->layout->tile_count && gw_now_ns() > deadline) {
-            conclude(l, GW_ENDED_EARLY,
-                     "only %" PRIu32 " of %" PRIu32 " ranks were ready after %.0f s; raise --load-deadline",
-                     l->ready_count, l->layout->tile_count, l->plan->load_deadline);
-        }
+        if (l->interrupted && now > l->patience)
+            break;
+        if (l->promised && now > l->promised)
+            gw_launcher_conclude(l, GW_ENDED_EARLY,
+                                 "rank 0 (tile %s) hangs: it was not heard when it should have been",
+                                 l->plan->site->layout.tiles[0].name);
+        if (!gw_launcher_all_ready(l) && now > deadline)
+            blame_the_late(l);
+    }
+    if (l->interrupted) {
+        *l->result = (gw_error){0};
+        l->has_result = 0;
+        gw_launcher_conclude(l, (gw_code)(128 + l->interrupted), "interrupted");
     }
 }
 
 /* --- ending
  * ------------------------------------------------------------------------------------------------------ */
 
-static int all_gone(const launcher *l) {
-    for (uint32_t i = 0; i < l->rank_count; i++)
-        if (l->ranks[i].socket >= 0)
+static int all_gone(const gw_launcher *l) {
+    for (uint32_t i = 0; i < l->tile_count; i++)
+        if (l->ranks[i].line.socket >= 0)
             return 0;
     return l->mpirun_ended;
 }
 
-static void signal_all(const launcher *l, int number) {
+static void signal_all(gw_launcher *l, int number) {
     /* mpirun puts every rank in a process group of its own, so each is told by itself. A closed line means
-     * that the rank is gone and its number perhaps somebody else's. */
-    for (uint32_t i = 0; i < l->rank_count; i++)
-        if (l->ranks[i].socket >= 0)
-            kill(l->ranks[i].pid, number);
+     * that the rank is gone and its number perhaps somebody else's. One on another machine ends when its line
+     * does. */
+    for (uint32_t i = 0; i < l->tile_count; i++) {
+        gw_rank_line *r = &l->ranks[i];
+        if (r->line.socket >= 0 && r->here)
+            kill(r->pid, number);
+        else if (r->line.socket >= 0)
+            shutdown(r->line.socket, SHUT_WR);
+    }
     if (!l->mpirun_ended)
         kill(-l->mpirun, number);
 }
 
-static void wait_until_gone(launcher *l, int milliseconds) {
+static void wait_until_gone(gw_launcher *l, int milliseconds) {
     int64_t deadline = gw_now_ns() + milliseconds * INT64_C(1000000);
     while (!all_gone(l) && gw_now_ns() < deadline)
         step(l, 20);
 }
 
-static void end_all(launcher *l) {
+/* Ends what a killed mpirun left: its children are ours now, and theirs when they are gone. */
+static void end_orphans(void) {
+    char path[64];
+    snprintf(path, sizeof path, "/proc/self/task/%ld/children", (long)getpid());
+    int64_t deadline = gw_now_ns() + GRACE_MS * INT64_C(1000000);
+    int status;
+    for (pid_t ended; (ended = waitpid(-1, &status, WNOHANG)) >= 0 && gw_now_ns() < deadline;) {
+        FILE *list = fopen(path, "re");
+        long child;
+        while (list && fscanf(list, "%ld", &child) == 1)
+            kill((pid_t)child, SIGKILL);
+        if (list)
+            fclose(list);
+        if (ended == 0)
+            poll(NULL, 0, 10);
+    }
+}
+
+static void end_all(gw_launcher *l) {
     if (l->mpirun <= 0)
         return;
     /* After a good end the ranks leave by themselves, and a lost one has its grace time. */
@@ -411,22 +345,27 @@ static void end_all(launcher *l) {
         signal_all(l, SIGKILL);
         wait_until_gone(l, GRACE_MS);
     }
+    end_orphans();
+    /* A rank that comes only now finds nobody, and leaves before it has made anything. */
+    gw_link_close(&l->listener);
     gw_mpirun_sweep(l->mpirun, l->job);
     gw_share_sweep();
 }
 
 gw_code gw_launch(const gw_launch_plan *plan, gw_error *result) {
-    static launcher l;
+    static gw_launcher l;
     memset(&l, 0, sizeof l);
     l.plan = plan;
-    l.layout = plan->layout;
+    l.tile_count = plan->site->layout.tile_count;
     l.console = plan->console;
-    l.listener = l.signals = l.output = -1;
+    l.listener.local = l.listener.network = l.signals = l.output = -1;
+    for (int i = 0; i < GW_MAXIMUM_TILES; i++)
+        l.ranks[i].line.socket = -1;
     l.result = result;
     gw_error error = {0};
     gw_code code = start(&l, &error);
     if (code)
-        conclude(&l, code, "%s", error.text);
+        gw_launcher_conclude(&l, code, "%s", error.text);
     else
         watch(&l);
     end_all(&l);

@@ -208,17 +208,36 @@ static gw_code follow(gw_rank *rank, gw_error *error) {
     }
 }
 
+/* The number that mpirun gave this process, before MPI itself says so; -1: it was not started by mpirun. */
+static int number_from_mpirun(void) {
+    const char *number = getenv("OMPI_COMM_WORLD_RANK");
+    return number ? (int)strtol(number, NULL, 10) : -1;
+}
+
+/* The line first: what MPI's own start finds wrong is told by name, and no rank of another program gets so
+ * far. */
+static gw_code connect_line(gw_rank *rank, gw_error *error) {
+    const gw_draw_options *draw = &rank->options.draw;
+    rank->number = number_from_mpirun();
+    if (rank->number < 0)
+        return gw_fail(error, GW_BAD_INPUT,
+                       "a rank is started by gazewall sim or gazewall wall; start one of them");
+    gw_code code = gw_link_connect(rank->options.link, rank->number, &rank->line, error);
+    /* What every rank does the same way is told by rank 0 alone, unless somebody looks for trouble. */
+    gw_log_level level = draw->quiet ? GW_LOG_ERROR : draw->level;
+    if (rank->number > 0 && level == GW_LOG_INFO)
+        level = GW_LOG_WARNING;
+    rank->line.log.threshold = level;
+    return code;
+}
+
 static gw_code start_mpi(gw_rank *rank, gw_error *error) {
     if (MPI_Init(NULL, NULL) != MPI_SUCCESS)
         return gw_fail(error, GW_MACHINE, "MPI could not be started");
     MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN);
     MPI_Comm_rank(MPI_COMM_WORLD, &rank->number);
     MPI_Comm_size(MPI_COMM_WORLD, &rank->size);
-    /* What every rank does the same way is told by rank 0 alone, unless somebody looks for trouble. */
-    gw_log_level level = rank->options.draw.quiet ? GW_LOG_ERROR : rank->options.draw.level;
-    if (rank->number > 0 && level == GW_LOG_INFO)
-        level = GW_LOG_WARNING;
-    return gw_link_connect(rank->options.link, rank->number, level, &rank->line, error);
+    return GW_OK;
 }
 
 static gw_code run(gw_rank *rank, int argc, char **argv, gw_error *error) {
@@ -242,16 +261,16 @@ int gw_verb_rank(int argc, char **argv) {
     /* mpirun is our parent: it dies with the launcher, and we with it. */
     gw_interrupt_follow_parent(0);
     gw_code code = gw_sim_options_parse(argc, argv, &rank.options, &helped, &error);
-    if (!code && !rank.options.link)
-        code = gw_fail(&error, GW_BAD_INPUT, "a rank is started by gazewall sim; start that");
     if (!code)
-        code = start_mpi(&rank, &error);
+        code = connect_line(&rank, &error);
     if (code) {
         fprintf(stderr, "gazewall rank: %s\n", error.text);
         return (int)code;
     }
     rank.load_deadline = gw_now_ns() + (int64_t)(rank.options.load_deadline * 1e9);
-    code = run(&rank, argc, argv, &error);
+    code = start_mpi(&rank, &error);
+    if (!code)
+        code = run(&rank, argc, argv, &error);
     if (code && code != GW_TILES_LOST)
         gw_link_send(&rank.line, GW_LINK_FAILED, (int32_t)code, error.text);
     else

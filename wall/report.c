@@ -9,16 +9,27 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const keys[] = {"version",    "command",
-                                   "device",     "scene",
-                                   "octree",     "memory",
-                                   "tiles",      "frames",
-                                   "frame_ms",   "counters",
-                                   "effects",    "profile",
-                                   "settings",   "predicted_error",
-                                   "latency_ms", "swap_skew_ms",
-                                   "tracking",   "float_environment",
-                                   "build",      "image"};
+static const char *const keys[] = {"version",
+                                   "command",
+                                   "device",
+                                   "scene",
+                                   "octree",
+                                   "memory",
+                                   "tiles",
+                                   "frames",
+                                   "ended",
+                                   "frame_ms",
+                                   "counters",
+                                   "effects",
+                                   "profile",
+                                   "settings",
+                                   "predicted_error",
+                                   "latency_ms",
+                                   "swap_skew_ms",
+                                   "tracking",
+                                   "float_environment",
+                                   "build",
+                                   "image"};
 
 static json_t *command_text(int argc, char **argv) {
     size_t size = 1;
@@ -267,6 +278,10 @@ void gw_report_frames(json_t *report, const double *milliseconds, size_t frame_c
     json_object_set_new(
         report, "frame_ms",
         json_pack("{s:f, s:f, s:f}", "median", spread.median, "p95", spread.p95, "max", spread.maximum));
+}
+
+void gw_report_ended(json_t *report, int interrupted) {
+    json_object_set_new(report, "ended", json_string(interrupted ? "interrupted" : "finished"));
 }
 
 gw_hash gw_image_hash(const gw_image *image) {

@@ -51,6 +51,9 @@ gw_spread gw_spread_of(const double *values, size_t count);
 /* frames and frame_ms. */
 void gw_report_frames(json_t *report, const double *milliseconds, size_t count);
 
+/* Whether the frames are all that were asked for. */
+void gw_report_ended(json_t *report, int interrupted);
+
 /* Hash of size and pixels. */
 gw_hash gw_image_hash(const gw_image *image);
 /* file may be NULL when the picture was not written. */

@@ -4,6 +4,7 @@
 #include "wall/stereo.h"
 
 #include <errno.h>
+#include <stdlib.h>
 #include <string.h>
 
 void gw_wall_options_init(gw_wall_options *options, uint32_t columns, uint32_t rows) {
@@ -122,6 +123,9 @@ enum {
     KEY_BUILDERS,
     KEY_BUILDER_FAULT,
     KEY_MACHINES,
+    KEY_AGENT,
+    KEY_DRY_RUN,
+    KEY_VERB,
     KEY_LINK
 };
 
@@ -185,6 +189,12 @@ static const struct argp_option sim_options[] = {
      "every "
      "machine; the octree's bytes are the same for any number",
      4},
+    {"agent", KEY_AGENT, "COMMAND", 0,
+     "wall: what starts a program on another host, given its name and a command, as ssh does (default: "
+     "$GAZEWALL_AGENT, or ssh)",
+     4},
+    {"dry-run", KEY_DRY_RUN, NULL, 0, "print the mpirun command and start nothing", 4},
+    {"verb", KEY_VERB, "VERB", OPTION_HIDDEN, NULL, 0},
     {"builder-fault", KEY_BUILDER_FAULT, "KIND:RANK", OPTION_HIDDEN, NULL, 0},
     {"machines", KEY_MACHINES, "N", OPTION_HIDDEN, NULL, 0},
     {"link", KEY_LINK, "NAME", OPTION_HIDDEN, NULL, 0},
@@ -338,6 +348,15 @@ static error_t parse_sim(int key, char *argument, struct argp_state *state) {
     case KEY_OUT:
         code = gw_parse_name("--out", argument, &options->out, error);
         break;
+    case KEY_AGENT:
+        code = gw_parse_name("--agent", argument, &options->agent, error);
+        break;
+    case KEY_DRY_RUN:
+        options->dry_run = 1;
+        break;
+    case KEY_VERB:
+        options->cluster = !strcmp(argument, "wall");
+        break;
     case KEY_LINK:
         options->link = argument;
         break;
@@ -364,6 +383,36 @@ static const struct argp sim_argp = {
            "  gazewall sim --scene dragon.glb --tiles 3x1 --size 1536x512 --frames 8 --out pictures\n"
            "  gazewall sim --site configs/sites/3x2-bezels.yaml --gaze 480,180 --out pictures\n"};
 
+static const struct argp wall_argp = {
+    .options = sim_options,
+    .parser = parse_sim,
+    .children = children,
+    .doc =
+        "The wall on its hosts: starts one MPI rank per tile of --site on the machine that drives it, shares "
+        "one octree among them and draws frames until it is ended: Ctrl-C, or --frames N.\v"
+        "Examples:\n"
+        "  gazewall doctor lab.yaml\n"
+        "  gazewall wall --site lab.yaml --scene dragon.glb --dry-run\n"
+        "  gazewall wall --site lab.yaml --scene dragon.glb --report report.json\n"};
+
+static gw_code check_wall(gw_sim_options *options, gw_error *error) {
+    const char *agent = getenv("GAZEWALL_AGENT");
+    if (!options->cluster)
+        return options->agent ? gw_fail(error, GW_BAD_INPUT,
+                                        "--agent is for gazewall wall; sim starts nothing on other hosts")
+                              : GW_OK;
+    if (!options->wall.site)
+        return gw_fail(error, GW_BAD_INPUT,
+                       "gazewall wall needs --site FILE, which says what hangs where (docs/sites.md); "
+                       "gazewall sim tries a wall out on this machine");
+    if (options->save_states && !options->frames && !options->states)
+        return gw_fail(error, GW_BAD_INPUT,
+                       "--save-states needs --frames: a wall without an end has states without an end");
+    if (!options->agent && agent && agent[0])
+        options->agent = agent;
+    return GW_OK;
+}
+
 gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *helped, gw_error *error) {
     memset(out, 0, sizeof *out);
     gw_draw_options_init(&out->draw, error);
@@ -371,8 +420,11 @@ gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *he
     gw_wall_options_init(&out->wall, 2, 2);
     out->step = -1;
     out->load_deadline = 600;
-    gw_code code = gw_arguments_parse(&sim_argp, argc, argv, out, helped, error);
+    out->cluster = !strcmp(argv[0], "wall");
+    gw_code code = gw_arguments_parse(out->cluster ? &wall_argp : &sim_argp, argc, argv, out, helped, error);
     if (code || *helped)
+        return code;
+    if ((code = check_wall(out, error)))
         return code;
     if (out->track && (out->gaze != GW_GAZE_FROM_TRACK || out->states))
         return gw_fail(error, GW_BAD_INPUT, "--track goes with neither --gaze, --no-gaze nor --states");

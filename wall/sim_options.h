@@ -1,5 +1,5 @@
-/* The command line of `gazewall sim`, which its ranks read a second time: launcher and ranks see the same
- * options. */
+/* The command lines of `gazewall sim` and `gazewall wall`, which their ranks read a second time: launcher and
+ * ranks see the same options. */
 #ifndef GW_WALL_SIM_OPTIONS_H
 #define GW_WALL_SIM_OPTIONS_H
 
@@ -52,11 +52,14 @@ typedef struct gw_sim_options {
     uint32_t builders;                    /* ranks that build the octree together; 0: one of every machine */
     gw_builder_fault fault;               /* hidden, for tests: what rank fault_rank pretends */
     int fault_rank;
-    int machines;     /* hidden, for tests: pretend that the ranks stand on so many machines */
-    const char *link; /* hidden: the launcher's address, for ranks */
+    int machines; /* hidden, for tests: pretend that the ranks stand on so many machines */
+    int cluster;  /* the verb is wall: the site's hosts draw its tiles, and without frames it has no end */
+    int dry_run;  /* print the command, start nothing */
+    const char *agent; /* wall: what starts programs on other hosts in place of ssh, or NULL */
+    const char *link;  /* hidden: the launcher's address, for ranks */
 } gw_sim_options;
 
-/* argv[0] is "sim" or "rank". */
+/* argv[0] is "sim", "wall" or "rank". */
 gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *helped, gw_error *error);
 
 #endif

@@ -1,4 +1,4 @@
-/* `gazewall sim`: the wall on one machine. */
+/* `gazewall sim`: the wall on one machine; `gazewall wall`: on the hosts of its site. */
 #include "wall/verbs.h"
 
 #include "base/file.h"
@@ -21,26 +21,51 @@ static gw_code check_places(const gw_sim_options *options, gw_error *error) {
     return code ? code : gw_file_writable(options->save_states, error);
 }
 
-int gw_verb_sim(int argc, char **argv) {
-    static gw_sim_options options;
+static gw_code run(gw_sim_options *options, int argc, char **argv, gw_error *error) {
     static gw_site site;
+    static gw_hosts hosts;
     gw_console console;
+    gw_code code = gw_wall_site(&options->wall, &site, error);
+    if (code)
+        return code;
+    if (options->cluster)
+        gw_hosts_find(&site, &hosts);
+    else
+        gw_hosts_simulate(&site, &hosts);
+    gw_console_init(&console, argv[0], options->draw.level, options->draw.quiet);
+    const gw_launch_plan plan = {.site = &site,
+                                 .hosts = &hosts,
+                                 .console = &console,
+                                 .load_deadline = options->load_deadline,
+                                 .verb = argv[0],
+                                 .agent = options->agent,
+                                 .argc = argc,
+                                 .argv = argv};
+    if (options->dry_run)
+        return gw_launch_show(&plan, error);
+    const gw_host *first = &hosts.host[hosts.of_tile[0]];
+    if (first->here)
+        code = check_places(options, error);
+    else
+        gw_log_write(&console.log, GW_LOG_INFO,
+                     "files are read and written on %s, which draws the first tile", first->name);
+    return code ? code : gw_launch(&plan, error);
+}
+
+static int run_verb(int argc, char **argv) {
+    static gw_sim_options options;
     gw_error error = {0};
     int helped = 0;
     gw_code code = gw_sim_options_parse(argc, argv, &options, &helped, &error);
-    if (helped && !code)
-        return GW_OK;
-    if (!code)
-        code = gw_wall_site(&options.wall, &site, &error);
-    if (!code)
-        code = check_places(&options, &error);
-    if (code)
-        return gw_console_fail("sim", &error);
-    gw_console_init(&console, "sim", options.draw.level, options.draw.quiet);
-    const gw_launch_plan plan = {.layout = &site.layout,
-                                 .console = &console,
-                                 .load_deadline = options.load_deadline,
-                                 .argc = argc,
-                                 .argv = argv};
-    return gw_launch(&plan, &error) ? gw_console_fail("sim", &error) : GW_OK;
+    if (!code && !helped)
+        code = run(&options, argc, argv, &error);
+    return code ? gw_console_fail(argv[0], &error) : GW_OK;
+}
+
+int gw_verb_sim(int argc, char **argv) {
+    return run_verb(argc, argv);
+}
+
+int gw_verb_wall(int argc, char **argv) {
+    return run_verb(argc, argv);
 }

@@ -18,7 +18,9 @@ extern const gw_verb gw_verbs[];
 extern const size_t gw_verb_count;
 
 int gw_verb_sim(int argc, char **argv);
-int gw_verb_rank(int argc, char **argv);   /* hidden: one tile's process, started by sim under mpirun */
+int gw_verb_wall(int argc, char **argv);
+int gw_verb_rank(int argc,
+                 char **argv); /* hidden: one tile's process, started by sim and wall under mpirun */
 int gw_verb_launch(int argc, char **argv); /* hidden: ties its own life to the launcher's, becomes mpirun */
 int gw_verb_render(int argc, char **argv);
 int gw_verb_inspect(int argc, char **argv);

@@ -23,7 +23,7 @@ run() {
     local name=interrupted-$1-$2-$$
     local before
     before=$(segments)
-    "$program" sim --scene sheet.obj --set octree_depth=5 --tiles 2x1 --size 96x32 --frames 100000 --quiet --out "$name" >"$name.out" 2>"$name.log" &
+    "$program" sim --scene sheet.obj --set octree_depth=5 --tiles 2x1 --size 96x32 --frames 100000 --quiet --save-states "$name.states" --report "$name.json" --out "$name" >"$name.out" 2>"$name.log" &
     local launcher=$!
     if [ "$2" = frames ]; then
         for _ in $(seq 600); do
@@ -38,6 +38,14 @@ run() {
     is "SIG$1 after $2: exit code" $? "$3"
     is "SIG$1 after $2: no process is left" "$(left "$name")" 0
     is "SIG$1 after $2: no shared memory is left" "$(segments | comm -13 <(echo "$before") - | wc -l)" 0
+    if [ "$2 $1" = "frames INT" ] || [ "$2 $1" = "frames TERM" ]; then
+        local frames
+        frames=$(json "$name.json" '["frames"]')
+        is "SIG$1 after $2: the report says so" "$(json "$name.json" '["ended"]')" interrupted
+        is "SIG$1 after $2: a state for each frame" "$(wc -l <"$name.states")" $((frames + 1))
+        is "SIG$1 after $2: a row for each frame" "$(wc -l <"$name/frames.csv")" $((frames + 1))
+        is "SIG$1 after $2: a picture for each frame" "$(find "$name" -name 'wall-[0-9]*.png' | wc -l)" "$frames"
+    fi
     is "SIG$1 after $2: only whole files" "$(find "$name" -type f ! -name '*.png' ! -name frames.csv 2>/dev/null)" ""
 }
 

@@ -17,24 +17,11 @@ static json_t *new_report(void) {
 
 static void keys_are_all_there_and_null(void **state) {
     (void)state;
-    static const char *const keys[] = {"device",
-                                       "scene",
-                                       "octree",
-                                       "memory",
-                                       "tiles",
-                                       "frames",
-                                       "frame_ms",
-                                       "counters",
-                                       "effects",
-                                       "profile",
-                                       "settings",
-                                       "latency_ms",
-                                       "predicted_error",
-                                       "tracking",
-                                       "build",
-                                       "swap_skew_ms",
-                                       "float_environment",
-                                       "image"};
+    static const char *const keys[] = {
+        "device",     "scene",           "octree",   "memory",  "tiles",        "frames",
+        "ended",      "frame_ms",        "counters", "effects", "profile",      "settings",
+        "latency_ms", "predicted_error", "tracking", "build",   "swap_skew_ms", "float_environment",
+        "image"};
     json_t *report = new_report();
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++)
         assert_true(json_is_null(json_object_get(report, keys[i])));

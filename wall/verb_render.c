@@ -415,7 +415,6 @@ int gw_verb_render(int argc, char **argv) {
     gw_wall_options_init(&r.options.wall, 1, 1);
     r.options.fov = 45;
     r.options.frame = -1;
-    r.options.gaze = GW_GAZE_NONE;
     gw_code code = gw_arguments_parse(&render_argp, argc, argv, &r.options, &helped, &error);
     if (helped && !code)
         return GW_OK;

@@ -180,7 +180,7 @@ site() { # NAME PART-OF-MESSAGE, the file on standard input
 expect "no such site" 2 "nowhere.yaml" sim --site "$folder/nowhere.yaml"
 expect "a site and a split" 2 "--site describes the whole wall" sim --site "$root/configs/sites/2x2.yaml" --tiles 2x2
 site "a site of another version" "'version'" <<<'version: 2'
-site "a site without tiles" "this one has neither" <<<'version: 1'
+site "a site without tiles" "this one has 0 of them" <<<'version: 1'
 site "a mistyped key" "columns" <<'Y'
 version: 1
 grid: {colums: 2, rows: 1, tile: {width: 100, height: 100, pixels: [10, 10]}}
@@ -197,7 +197,7 @@ site "too many tiles in a grid" "a wall has 1 to 64 tiles" <<'Y'
 version: 1
 grid: {columns: 9, rows: 9, tile: {width: 100, height: 100, pixels: [10, 10]}}
 Y
-site "two corners" "must be three points in mm" <<'Y'
+site "two corners" "expected three, in mm" <<'Y'
 version: 1
 tiles: [{name: a, pixels: [10, 10], place: [0, 0], corners: [[0, 0, 0], [100, 0, 0]]}]
 Y
@@ -205,7 +205,7 @@ site "corners in a line" "meet at" <<'Y'
 version: 1
 tiles: [{name: a, pixels: [10, 10], place: [0, 0], corners: [[0, 0, 0], [100, 0, 0], [200, 0, 0]]}]
 Y
-site "two tiles of one name" "names an earlier tile already" <<'Y'
+site "two tiles of one name" "is a tile in line 3 already" <<'Y'
 version: 1
 tiles:
   - {name: a, pixels: [10, 10], place: [0, 0], corners: [[0, 0, 0], [100, 0, 0], [0, -100, 0]]}
@@ -217,7 +217,7 @@ tiles:
   - {name: a, pixels: [10, 10], place: [0, 0], corners: [[0, 0, 0], [100, 0, 0], [0, -100, 0]]}
   - {name: b, pixels: [10, 10], place: [5, 0], corners: [[100, 0, 0], [200, 0, 0], [100, -100, 0]]}
 Y
-site "a name that is a path" "cannot name a tile" <<'Y'
+site "a name that is a path" "has a character that cannot be here" <<'Y'
 version: 1
 tiles: [{name: ../a, pixels: [10, 10], place: [0, 0], corners: [[0, 0, 0], [100, 0, 0], [0, -100, 0]]}]
 Y

@@ -1,5 +1,7 @@
 #include "wall/plot.h"
 
+#include "wall/svg.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -48,18 +50,6 @@ static double down(const canvas *c, double exponent) {
     return HEIGHT - BOTTOM - (exponent - c->y.low) / (c->y.high - c->y.low) * (HEIGHT - TOP - BOTTOM);
 }
 
-static void put_text(FILE *svg, double x, double y, const char *attributes, const char *text) {
-    fprintf(svg, "<text x=\"%.1f\" y=\"%.1f\" %s>", x, y, attributes);
-    for (const char *c = text; *c; c++)
-        if (*c == '<')
-            fputs("&lt;", svg);
-        else if (*c == '&')
-            fputs("&amp;", svg);
-        else
-            fputc(*c, svg);
-    fputs("</text>\n", svg);
-}
-
 /* 0.001, 1, 10, 100, 1k, 10M. */
 static void decade_text(int exponent, char *out, size_t size) {
     static const char *const suffixes[] = {"", "k", "M", "G", "T"};
@@ -83,14 +73,14 @@ static void put_grid(const canvas *c) {
             put_line(c->svg, across(c, e + log10(k)), TOP, across(c, e + log10(k)), HEIGHT - BOTTOM,
                      k == 1 ? "#bbb" : "#eee");
         decade_text(e, text, sizeof text);
-        put_text(c->svg, across(c, e), HEIGHT - BOTTOM + 18, "text-anchor=\"middle\"", text);
+        gw_svg_text(c->svg, across(c, e), HEIGHT - BOTTOM + 18, "text-anchor=\"middle\"", text);
     }
     for (int e = (int)c->y.low; e <= (int)c->y.high; e++) {
         for (int k = 1; k < 10 && (k == 1 || e < (int)c->y.high); k++)
             put_line(c->svg, LEFT, down(c, e + log10(k)), WIDTH - RIGHT, down(c, e + log10(k)),
                      k == 1 ? "#bbb" : "#eee");
         decade_text(e, text, sizeof text);
-        put_text(c->svg, LEFT - 8, down(c, e) + 4, "text-anchor=\"end\"", text);
+        gw_svg_text(c->svg, LEFT - 8, down(c, e) + 4, "text-anchor=\"end\"", text);
     }
 }
 
@@ -112,16 +102,16 @@ static void put_series(const canvas *c, const gw_plot_series *series, size_t ind
                     across(c, log10(series->x[i])), down(c, log10(series->y[i])), color);
     double y = TOP + 12 + 20.0 * (double)index;
     fprintf(c->svg, "<path d=\"M%d %.1fh24\" stroke=\"%s\" %s/>\n", WIDTH - RIGHT + 12, y - 4, color, style);
-    put_text(c->svg, WIDTH - RIGHT + 42, y, "fill=\"#222\"", series->name);
+    gw_svg_text(c->svg, WIDTH - RIGHT + 42, y, "fill=\"#222\"", series->name);
 }
 
 static void put_labels(const gw_plot *plot, FILE *svg) {
     char turned[128];
     const double middle_x = (LEFT + WIDTH - RIGHT) / 2.0, middle_y = (TOP + HEIGHT - BOTTOM) / 2.0;
-    put_text(svg, middle_x, TOP - 16, "text-anchor=\"middle\" font-size=\"15\"", plot->title);
-    put_text(svg, middle_x, HEIGHT - 18, "text-anchor=\"middle\"", plot->x_label);
+    gw_svg_text(svg, middle_x, TOP - 16, "text-anchor=\"middle\" font-size=\"15\"", plot->title);
+    gw_svg_text(svg, middle_x, HEIGHT - 18, "text-anchor=\"middle\"", plot->x_label);
     snprintf(turned, sizeof turned, "text-anchor=\"middle\" transform=\"rotate(-90 20 %.1f)\"", middle_y);
-    put_text(svg, 20, middle_y, turned, plot->y_label);
+    gw_svg_text(svg, 20, middle_y, turned, plot->y_label);
 }
 
 gw_code gw_plot_svg(const gw_plot *plot, char **out, size_t *size, gw_error *error) {

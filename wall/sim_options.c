@@ -66,11 +66,19 @@ static gw_code split_site(const gw_wall_options *options, gw_site *out, gw_error
 }
 
 gw_code gw_wall_site(const gw_wall_options *options, gw_site *out, gw_error *error) {
+    gw_site_notes notes;
+    return gw_wall_site_noting(options, out, &notes, error);
+}
+
+gw_code gw_wall_site_noting(const gw_wall_options *options, gw_site *out, gw_site_notes *notes,
+                            gw_error *error) {
+    memset(notes, 0, sizeof *notes);
     if (options->site &&
         (options->tiles_given || options->size_given || options->width_count || options->height_count))
         return gw_fail(error, GW_BAD_INPUT,
                        "--site describes the whole wall; leave out --tiles, --size, --columns and --rows");
-    gw_code code = options->site ? gw_site_load(options->site, out, error) : split_site(options, out, error);
+    gw_code code = options->site ? gw_site_load_noting(options->site, out, notes, error)
+                                 : split_site(options, out, error);
     if (code)
         return code;
     for (uint32_t i = 0; options->stereo_given && i < out->layout.tile_count; i++)

@@ -27,6 +27,9 @@ typedef struct gw_wall_options {
 void gw_wall_options_init(gw_wall_options *options, uint32_t columns, uint32_t rows);
 /* The wall that the options describe: a site file or a split. */
 gw_code gw_wall_site(const gw_wall_options *options, gw_site *out, gw_error *error);
+/* The same, with what is odd about a site file. */
+gw_code gw_wall_site_noting(const gw_wall_options *options, gw_site *out, gw_site_notes *notes,
+                            gw_error *error);
 /* Its layout alone. */
 gw_code gw_wall_layout(const gw_wall_options *options, gw_layout *out, gw_error *error);
 

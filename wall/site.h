@@ -5,6 +5,7 @@
 #ifndef GW_WALL_SITE_H
 #define GW_WALL_SITE_H
 
+#include "base/log.h"
 #include "base/status.h"
 #include "wall/layout.h"
 
@@ -68,11 +69,37 @@ typedef struct gw_site_notes {
     } notes[GW_MAXIMUM_NOTES];
 } gw_site_notes;
 
-/* Reads a site file (docs/sites.md). GW_BAD_INPUT "FILE:LINE: ..." for what cannot be run. */
+/* Reads a site file (docs/sites.md); a plain name without such a file is looked for among the sites inside
+ * the program (configs/sites/NAME.yaml). GW_BAD_INPUT "FILE:LINE: ..." for what cannot be run. */
 gw_code gw_site_load(const char *path, gw_site *out, gw_error *error);
 gw_code gw_site_load_noting(const char *path, gw_site *out, gw_site_notes *notes, gw_error *error);
 /* The same from memory; name stands for the path in messages. */
 gw_code gw_site_parse(const char *text, size_t size, const char *name, gw_site *out, gw_site_notes *notes,
                       gw_error *error);
+
+/* Writes the notes to a log, one line each: "FILE:LINE: ...". */
+void gw_site_warn(const char *path, const gw_site_notes *notes, const gw_log *log);
+
+/* The site as YAML with measured `tiles`, which reads back as the same bits; free() it. */
+gw_code gw_site_write(const gw_site *site, char **text, size_t *size, gw_error *error);
+
+/* Top view, front and bird's-eye view as SVG with a scale in mm; title stands above. free() it. */
+gw_code gw_site_draw(const gw_site *site, const char *title, char **svg, size_t *size, gw_error *error);
+
+/* What differs between two sites, key by key and tile by tile. While frames are drawn, geometry, eyes, stereo
+ * and what panels do with light can be taken over ("live"); which tiles there are, their pixels, who draws
+ * them, times and network cannot. */
+enum { GW_MAXIMUM_CHANGES = 64 };
+typedef struct gw_site_changes {
+    uint32_t count, left_out; /* listed; beyond the list's end */
+    uint32_t restarts;        /* how many of all need one */
+    struct {
+        int restart;
+        char text[224]; /* "tile 'c0r0': gamma 2.2 -> 2.4" */
+    } changes[GW_MAXIMUM_CHANGES];
+} gw_site_changes;
+
+/* GW_BAD_INPUT, naming the first change that needs a restart, if there is one; *out is filled in any case. */
+gw_code gw_site_compare(const gw_site *before, const gw_site *after, gw_site_changes *out, gw_error *error);
 
 #endif

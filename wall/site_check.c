@@ -2,6 +2,8 @@
  * eyes that cannot be meant. And the list of warnings. */
 #include "wall/site_internal.h"
 
+#include "wall/stereo.h"
+
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -20,6 +22,13 @@ void gw_site_note(gw_site_source *source, const gw_yaml_node *node, const char *
     notes->notes[notes->count++].line = gw_yaml_node_line(node);
 }
 
+void gw_site_warn(const char *path, const gw_site_notes *notes, const gw_log *log) {
+    for (uint32_t i = 0; i < notes->count; i++)
+        gw_log_write(log, GW_LOG_WARNING, "%s:%d: %s", path, notes->notes[i].line, notes->notes[i].text);
+    if (notes->left_out)
+        gw_log_write(log, GW_LOG_WARNING, "%s: %u more like these", path, notes->left_out);
+}
+
 static int same_display(const gw_panel *a, const gw_panel *b) {
     return a->display[0] && !strcmp(a->host, b->host) && !strcmp(a->display, b->display);
 }
@@ -34,6 +43,7 @@ static int windows_overlap(const gw_site *site, uint32_t a, uint32_t b) {
 
 static gw_code check_pairs(gw_site_source *source, const gw_site *site, gw_error *error) {
     const gw_tile *tiles = site->layout.tiles;
+    uint32_t hidden = 0, hidden_pair[2] = {0, 0};
     for (uint32_t b = 0; b < site->layout.tile_count; b++)
         for (uint32_t a = 0; a < b; a++) {
             const gw_panel *first = &site->panels[a], *second = &site->panels[b];
@@ -46,13 +56,16 @@ static gw_code check_pairs(gw_site_source *source, const gw_site *site, gw_error
                                     "display %s%s%s; a monitor shows one tile",
                                     tiles[b].name, tiles[a].name, line, second->monitor, second->display,
                                     second->host[0] ? " of host " : "", second->host);
-            if (!first->monitor[0] && !second->monitor[0] && windows_overlap(site, a, b))
-                gw_site_note(
-                    source, source->panels[b],
-                    "the windows of tiles '%s' and '%s' (line %d) hide each other on display %s; give "
-                    "each a 'window' or a 'monitor'",
-                    tiles[b].name, tiles[a].name, line, second->display);
+            if (!first->monitor[0] && !second->monitor[0] && windows_overlap(site, a, b) && hidden++ == 0)
+                memcpy(hidden_pair, (const uint32_t[2]){a, b}, sizeof hidden_pair);
         }
+    if (hidden)
+        gw_site_note(
+            source, source->panels[hidden_pair[1]],
+            "the windows of tiles '%s' and '%s' hide each other on display %s%s; give each a 'window' "
+            "or a 'monitor'",
+            tiles[hidden_pair[0]].name, tiles[hidden_pair[1]].name, site->panels[hidden_pair[1]].display,
+            hidden > 1 ? ", as more do" : "");
     return GW_OK;
 }
 
@@ -80,12 +93,9 @@ static int has_partner(const gw_site *site, uint32_t tile) {
 static gw_code check_stereo(gw_site_source *source, const gw_site *site, uint32_t t, gw_error *error) {
     const gw_tile *tile = &site->layout.tiles[t];
     const gw_panel *panel = &site->panels[t];
-    int halves = panel->stereo == GW_STEREO_SIDE_BY_SIDE ? 0 : panel->stereo == GW_STEREO_TOP_BOTTOM ? 1 : -1;
-    uint32_t pixels = halves == 1 ? tile->rectangle.height : tile->rectangle.width;
-    if (halves >= 0 && pixels % 2)
-        return gw_yaml_fail(source->panels[t], error,
-                            "tile '%s' is %u px %s; %s needs an even number, a half for each eye", tile->name,
-                            pixels, halves ? "high" : "wide", gw_stereo_names[panel->stereo]);
+    gw_error inner = {0};
+    if (gw_stereo_check_tile(site, t, &inner))
+        return gw_yaml_fail(source->panels[t], error, "key 'stereo': %s", inner.text);
     if ((panel->stereo == GW_STEREO_LEFT || panel->stereo == GW_STEREO_RIGHT) && !has_partner(site, t))
         gw_site_note(source, source->panels[t],
                      "tile '%s' is for the %s eye, but no tile for the other hangs in its place", tile->name,

@@ -1,6 +1,9 @@
 /* Site files: YAML to site. The format is docs/sites.md; every key not listed here is an error. */
 #include "wall/site_internal.h"
 
+#include "base/embedded.h"
+#include "base/file.h"
+
 #include <arpa/inet.h>
 #include <ctype.h>
 #include <math.h>
@@ -196,7 +199,19 @@ gw_code gw_site_parse(const char *text, size_t size, const char *name, gw_site *
     return code;
 }
 
+/* A site inside the program: configs/sites/NAME.yaml by its name alone. */
+static const gw_embedded_file *find_embedded(const char *path) {
+    char name[128];
+    if (gw_file_exists(path) || strlen(path) > 64)
+        return NULL;
+    snprintf(name, sizeof name, "configs/sites/%s.yaml", path);
+    return gw_embedded_find(name);
+}
+
 gw_code gw_site_load_noting(const char *path, gw_site *out, gw_site_notes *notes, gw_error *error) {
+    const gw_embedded_file *embedded = find_embedded(path);
+    if (embedded)
+        return gw_site_parse((const char *)embedded->data, embedded->size, path, out, notes, error);
     gw_yaml *document = NULL;
     memset(notes, 0, sizeof *notes);
     gw_code code = gw_yaml_load(path, &document, error);

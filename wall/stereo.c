@@ -145,27 +145,30 @@ int gw_site_is_stereo(const gw_site *site) {
     return 0;
 }
 
-gw_code gw_stereo_check(const gw_site *site, gw_error *error) {
-    for (uint32_t i = 0; i < site->layout.tile_count; i++) {
-        const gw_tile *tile = &site->layout.tiles[i];
-        const uint32_t stereo = site->panels[i].stereo;
-        const uint32_t width = tile->rectangle.width, height = tile->rectangle.height;
-        if (stereo == GW_STEREO_SIDE_BY_SIDE && width % 2)
-            return gw_fail(error, GW_BAD_INPUT,
-                           "tile '%s' is %" PRIu32
-                           " px wide; side by side gives each eye half of them: make it "
-                           "an even number",
-                           tile->name, width);
-        if (stereo == GW_STEREO_TOP_BOTTOM && height % 2)
-            return gw_fail(error, GW_BAD_INPUT,
-                           "tile '%s' is %" PRIu32
-                           " px high; top-bottom gives each eye half of them: make it "
-                           "an even number",
-                           tile->name, height);
-        if (stereo == GW_STEREO_ROW_INTERLACE && height < 2)
-            return gw_fail(error, GW_BAD_INPUT,
-                           "tile '%s' is one row high; row-interlace gives each eye every second row",
-                           tile->name);
-    }
+gw_code gw_stereo_check_tile(const gw_site *site, uint32_t index, gw_error *error) {
+    const gw_tile *tile = &site->layout.tiles[index];
+    const uint32_t stereo = site->panels[index].stereo;
+    const uint32_t width = tile->rectangle.width, height = tile->rectangle.height;
+    if (stereo == GW_STEREO_SIDE_BY_SIDE && width % 2)
+        return gw_fail(error, GW_BAD_INPUT,
+                       "tile '%s' is %" PRIu32 " px wide; side by side gives each eye half of them: make it "
+                       "an even number",
+                       tile->name, width);
+    if (stereo == GW_STEREO_TOP_BOTTOM && height % 2)
+        return gw_fail(error, GW_BAD_INPUT,
+                       "tile '%s' is %" PRIu32 " px high; top-bottom gives each eye half of them: make it "
+                       "an even number",
+                       tile->name, height);
+    if (stereo == GW_STEREO_ROW_INTERLACE && height < 2)
+        return gw_fail(error, GW_BAD_INPUT,
+                       "tile '%s' is one row high; row-interlace gives each eye every second row",
+                       tile->name);
     return GW_OK;
+}
+
+gw_code gw_stereo_check(const gw_site *site, gw_error *error) {
+    gw_code code = GW_OK;
+    for (uint32_t i = 0; i < site->layout.tile_count && !code; i++)
+        code = gw_stereo_check_tile(site, i, error);
+    return code;
 }

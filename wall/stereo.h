@@ -48,5 +48,6 @@ gw_code gw_stereo_predict(const gw_scene *scene, const gw_octree *octree, const 
 int gw_site_is_stereo(const gw_site *site);
 /* GW_BAD_INPUT names a tile whose pixels cannot be shared by two eyes as its panel would. */
 gw_code gw_stereo_check(const gw_site *site, gw_error *error);
+gw_code gw_stereo_check_tile(const gw_site *site, uint32_t index, gw_error *error);
 
 #endif

@@ -23,9 +23,10 @@ static gw_code check_places(const gw_sim_options *options, gw_error *error) {
 
 static gw_code run(gw_sim_options *options, int argc, char **argv, gw_error *error) {
     static gw_site site;
+    static gw_site_notes notes;
     static gw_hosts hosts;
     gw_console console;
-    gw_code code = gw_wall_site(&options->wall, &site, error);
+    gw_code code = gw_wall_site_noting(&options->wall, &site, &notes, error);
     if (code)
         return code;
     if (options->cluster)
@@ -33,6 +34,7 @@ static gw_code run(gw_sim_options *options, int argc, char **argv, gw_error *err
     else
         gw_hosts_simulate(&site, &hosts);
     gw_console_init(&console, argv[0], options->draw.level, options->draw.quiet);
+    gw_site_warn(options->wall.site, &notes, &console.log);
     const gw_launch_plan plan = {.site = &site,
                                  .hosts = &hosts,
                                  .console = &console,

@@ -13,6 +13,7 @@ const gw_verb gw_verbs[] = {
     {"sim", "the wall on one machine: one MPI rank per tile, assembled pictures, report", gw_verb_sim},
     {"wall", "the wall on the hosts of its site, until it is ended", gw_verb_wall},
     {"render", "one picture, one process, no MPI: for scripts and tests", gw_verb_render},
+    {"check", "is a site file the wall as it hangs? verdict, table, drawing", gw_verb_check},
     {"inspect", "what is in a scene, its octree, or this machine's GL device", gw_verb_inspect},
     {"replay", "what is in a recording of head and gaze trackers", gw_verb_replay},
     {"bench", "measures: build time, bytes, rays against Embree, modes, layouts (see its --help)",

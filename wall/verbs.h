@@ -23,6 +23,7 @@ int gw_verb_rank(int argc,
                  char **argv); /* hidden: one tile's process, started by sim and wall under mpirun */
 int gw_verb_launch(int argc, char **argv); /* hidden: ties its own life to the launcher's, becomes mpirun */
 int gw_verb_render(int argc, char **argv);
+int gw_verb_check(int argc, char **argv);
 int gw_verb_inspect(int argc, char **argv);
 int gw_verb_replay(int argc, char **argv);
 int gw_verb_bench(int argc, char **argv);

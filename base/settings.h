@@ -105,6 +105,8 @@
            "0.0001", "a ray ends when less than this share of it is left")                                              \
     GW_ROW(shadow_tau, REAL, 1.0, 0.0, 16.0, "", FRAME, "", "voxels in shadows against steps and tests", "0",            \
            "tau of shadow rays, as a multiple of the pixel's own; 0: every shadow ray ends at triangles")               \
+    GW_ROW(mirror_roughness, REAL, 0.02, 0.0, 0.25, "", FRAME, "", "rough metal shown as a mirror against rays", "0",      \
+           "metal (metalness 1) of at most this roughness is a perfect mirror, whose reflections are traced")            \
     GW_ROW(texture_filter, CHOICE, 2, 0, 2, "nearest|bilinear|trilinear", FRAME, "", "texture aliasing against fetches", \
            "trilinear", "how base-colour textures are read at the ray's footprint")                                    \
     GW_ROW(triangle_precision, CHOICE, 0, 0, 1, "float|double", FRAME, "", "rounding at shared edges against time",    \

@@ -26,7 +26,7 @@ const gw_feature_row gw_feature_rows[] = {
     {GW_FEATURE_ACCUMULATE, "accumulation", "ACCUMULATE", "accumulate is 1: every frame stands for itself"},
     {GW_FEATURE_SHADOWS, "shadows", "SHADOWS", "the scene has no light that could cast any"},
     {GW_FEATURE_MIRROR, "mirror", "MIRROR",
-     "no material in use is a perfect mirror: metalness 1, roughness at most 0.02"},
+     "no material in use is a perfect mirror: metalness 1, roughness at most mirror_roughness"},
 };
 const size_t gw_feature_count = sizeof gw_feature_rows / sizeof gw_feature_rows[0];
 
@@ -47,13 +47,13 @@ gw_code gw_feature_of_name(const char *name, uint32_t *bit, gw_error *error) {
     return gw_fail(error, GW_BAD_INPUT, "there is no effect '%s'; gazewall inspect lists them all", name);
 }
 
-static uint32_t features_of_material(const gw_material *material) {
+static uint32_t features_of_material(const gw_material *material, float mirror_roughness) {
     uint32_t bits = 0;
     if (material->base_color_texture >= 0)
         bits |= GW_FEATURE_TEXTURES;
     if (material->emissive[0] > 0.0f || material->emissive[1] > 0.0f || material->emissive[2] > 0.0f)
         bits |= GW_FEATURE_EMISSIVE;
-    if (material->metalness >= 1.0f && material->roughness <= (float)GW_MIRROR_ROUGHNESS)
+    if (material->metalness >= 1.0f && material->roughness <= mirror_roughness)
         bits |= GW_FEATURE_MIRROR;
     if (material->alpha_mode != GW_ALPHA_OPAQUE)
         bits |= GW_FEATURE_ALPHA;
@@ -67,14 +67,14 @@ static int has_normal(const gw_scene *scene) {
     return 0;
 }
 
-uint32_t gw_features_of_scene(const gw_scene *scene, const gw_octree *octree) {
+uint32_t gw_features_of_scene(const gw_scene *scene, const gw_octree *octree, float mirror_roughness) {
     uint32_t bits = 0;
     /* Materials that no triangle uses call for nothing. */
     uint32_t last = UINT32_MAX;
     for (uint32_t i = 0; i < scene->triangle_count; ++i) {
         uint32_t material = scene->material_of[i];
         if (material != last)
-            bits |= features_of_material(&scene->materials[material]);
+            bits |= features_of_material(&scene->materials[material], mirror_roughness);
         last = material;
     }
     if (scene->colors)

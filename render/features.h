@@ -50,7 +50,8 @@ enum { GW_NEEDED_FEATURES = GW_FEATURE_WIDE_NODES | GW_FEATURE_DENSE_LEAVES };
 /* The bit of a name; GW_BAD_INPUT names the nearest known one. */
 gw_code gw_feature_of_name(const char *name, uint32_t *bit, gw_error *error);
 
-uint32_t gw_features_of_scene(const gw_scene *scene, const gw_octree *octree);
+/* mirror_roughness: up to which metal is a mirror. */
+uint32_t gw_features_of_scene(const gw_scene *scene, const gw_octree *octree, float mirror_roughness);
 /* viewers: gazes that are usable, which may be fewer than state->gaze_count. */
 uint32_t gw_features_of_frame(const gw_frame_state *state, uint32_t viewers, uint32_t scene_features);
 

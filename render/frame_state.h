@@ -10,6 +10,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* States are compared as bytes, so neither struct may have a hole. */
+#pragma GCC diagnostic push
+#pragma GCC diagnostic error "-Wpadded"
 /* One viewer's gaze in wall space (mm). */
 typedef struct gw_gaze {
     float eye[3];
@@ -29,7 +32,7 @@ typedef struct gw_frame_state {
     /* Knobs of the FRAME stage, as floats (settings.h says what they mean). */
     float tau, tau_inside, gaze_margin, gaze_blend, gaze_growth, gaze_latency, gaze_growth_limit,
         acuity_slope, voxel_slab, voxel_flatness, fold_agreement, least_remainder, separated_tau,
-        gaze_footprint, shadow_tau, edge_depth, edge_normal, seed_distance;
+        gaze_footprint, shadow_tau, edge_depth, edge_normal, seed_distance, mirror_roughness;
     uint8_t geometry, level_blend, leaf_blend, texture_filter, triangle_precision;
     uint8_t debug;        /* gw_debug_view */
     uint8_t sample_block; /* log2 of the side of the largest sample block, 0..4 */
@@ -42,7 +45,7 @@ typedef struct gw_frame_state {
      * for, so nothing is kept for one. */
     uint32_t epoch;
     uint16_t accumulate;
-    uint16_t reserved; /* 0 */
+    uint16_t reserved[3]; /* 0 */
     /* How far tau, gaze_margin, acuity_slope and sample_block are strained to be faster: 1, as they stand, to
      * GW_MAXIMUM_STRAIN. See gw_frame_state_in_force(). */
     float strain;
@@ -52,8 +55,10 @@ typedef struct gw_frame_state {
     /* Stereo: from `eye` to the right eye, mm; the left one lies as far on the other side. 0: one eye. */
     float eye_offset[3];
 } gw_frame_state;
-_Static_assert(offsetof(gw_frame_state, eye_offset) + 3 * sizeof(float) == sizeof(gw_frame_state),
-               "no holes, so that states can be compared as bytes");
+#pragma GCC diagnostic pop
+_Static_assert(offsetof(gw_frame_state, seed) == offsetof(gw_frame_state, samples) + sizeof(uint8_t) &&
+                   offsetof(gw_frame_state, eye_offset) + 3 * sizeof(float) == sizeof(gw_frame_state),
+               "no holes for compilers that know no -Wpadded either: after the bytes, and at the end");
 _Static_assert(sizeof(gw_frame_state) < 512, "the frame state travels in one small message");
 
 typedef enum gw_debug_view {

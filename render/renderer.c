@@ -22,7 +22,7 @@ size_t gw_renderer_chunk_slots(const gw_renderer *renderer) {
 }
 
 gw_code gw_renderer_take_features(gw_renderer *renderer, gw_error *error) {
-    uint32_t called_for = gw_features_of_scene(renderer->scene, renderer->octree);
+    uint32_t called_for = gw_features_of_scene(renderer->scene, renderer->octree, renderer->mirror_roughness);
     uint32_t missing = called_for & renderer->forbidden_features & GW_NEEDED_FEATURES;
     renderer->scene_features = called_for & ~renderer->forbidden_features;
     for (size_t i = 0; i < gw_feature_count; ++i)
@@ -36,6 +36,7 @@ gw_code gw_renderer_take_features(gw_renderer *renderer, gw_error *error) {
 gw_code gw_renderer_create(gw_gl *device, const gw_scene *scene, const gw_octree *octree,
                            const gw_renderer_options *options, gw_renderer **out, gw_error *error) {
     static const gw_renderer_options defaults;
+    gw_settings settings;
     *out = NULL;
     if (!options)
         options = &defaults;
@@ -55,6 +56,9 @@ gw_code gw_renderer_create(gw_gl *device, const gw_scene *scene, const gw_octree
         renderer->loop_budget = LEAST_LOOP_BUDGET; /* a ray must get from the root to its cell and on */
     renderer->forced_features = options->force_features & ~options->forbid_features;
     renderer->forbidden_features = options->forbid_features;
+    gw_settings_init(&settings);
+    renderer->mirror_roughness =
+        (float)(options->settings ? options->settings->mirror_roughness : settings.mirror_roughness);
     code = gw_renderer_take_features(renderer, error);
     if (!code && scene->animation && options->settings)
         code = gw_moving_create(device, scene, options->settings, options->log, &renderer->moving, error);

@@ -185,6 +185,10 @@ static gw_code begin_frame(gw_frame_job *job, const gw_similarity *placement, co
             rectangle->width, rectangle->height, rectangle->x, rectangle->y);
     uint32_t dropped = 0;
     gw_code code = move_scene(renderer, state->time, error);
+    if (!code && renderer->mirror_roughness != state->mirror_roughness) {
+        renderer->mirror_roughness = state->mirror_roughness;
+        code = gw_renderer_take_features(renderer, error);
+    }
     if (!code)
         code = gw_frame_block_fill(renderer->scene, renderer->octree, placement, plane, state, &job->block,
                                    &dropped, error);

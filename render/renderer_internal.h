@@ -108,6 +108,7 @@ struct gw_renderer {
     uint32_t loop_budget;
     uint32_t loop_iterations; /* the most of a ray in a dispatch since the frame or the tracing began */
     uint32_t scene_features;  /* but for the forbidden ones */
+    float mirror_roughness;   /* that they were taken with */
     uint32_t forced_features, forbidden_features;
     uint32_t last_features; /* of the last frame, for the report */
     int has_drawn;          /* there was one */

@@ -37,6 +37,7 @@ static const float_field float_fields[] = {
     {"gaze_footprint", offsetof(gw_frame_state, gaze_footprint), 0, 4},
     {"shadow_tau", offsetof(gw_frame_state, shadow_tau), 0, 16},
     {"seed_distance", offsetof(gw_frame_state, seed_distance), 1, 1000000},
+    {"mirror_roughness", offsetof(gw_frame_state, mirror_roughness), 0, 0.25},
     {"edge_depth", offsetof(gw_frame_state, edge_depth), 0.01, 1},
     {"edge_normal", offsetof(gw_frame_state, edge_normal), 1, 180},
 };

@@ -32,7 +32,7 @@ GW_VEC4(accuracy);   // tau, tau_inside, gaze_blend deg, gaze_margin deg
 GW_VEC4(acuity);     // slope, smallest period deg, voxel_slab, voxel_flatness
 GW_VEC4(background); // linear radiance; w: least_remainder
 GW_VEC4(ambient);    // linear irradiance; w: fold_agreement
-GW_VEC4(secondary);  // shadow_tau
+GW_VEC4(secondary);  // shadow_tau, mirror_roughness
 GW_IVEC4(window);    // rectangle: x and y of its first pixel, x and y past its last
 GW_IVEC4(chunk);     // first block's x and y (pixels, multiples of 8), blocks per row, number of blocks
 GW_IVEC4(list);      // grid of blocks that samples are listed for, chunk and rim: as chunk, x and y multiples of 16
@@ -115,8 +115,6 @@ GW_STRUCT_END(gw_gpu_light)
 #define GW_NO_PLACE 0xffffffffu
 #define GW_KEPT_WORDS 3u
 
-// Materials of metalness 1 and at most this roughness are perfect mirrors.
-#define GW_MIRROR_ROUGHNESS 0.02
 // A reflected ray, rows of 16 bytes: origin and footprint there; unit direction and growth of the footprint per unit; tau, below
 // 0 for padding, and the distance up to which only triangles count.
 #define GW_REFLECTED_ROWS 3u

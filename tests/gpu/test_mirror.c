@@ -1,6 +1,8 @@
 /* Perfect mirrors: they show what the mirrored scene shows, from triangles and from voxels, in any split. */
 #include "tests/support/check.h"
 
+#include "base/memory.h"
+#include "base/srgb.h"
 #include "render/features.h"
 #include "tests/support/meshes.h"
 #include "tests/support/renders.h"
@@ -149,6 +151,117 @@ static void voxels_of_a_mirror_reflect_too(void **state) {
     assert_true(dull > 4.0 * reflecting); /* the naive rule fails */
 }
 
+/* A polished ball, seen by somebody behind whom a wall of noise stands: in the ball the wall is small. */
+static gw_scene *ball_before_noise(void) {
+    enum { TEXELS = 256, AROUND = 48, RINGS = 24 };
+    void *memory = NULL;
+    uint64_t random = 3;
+    gw_mesh mesh = {0};
+    gw_mesh_add_sphere(&mesh, (const double[]){0, 0, 0}, 0.4, 0, AROUND, RINGS);
+    const size_t of_ball = mesh.point_count, faces_of_ball = mesh.triangle_count;
+    gw_mesh_add_grid(&mesh, (const double[]){-8, -8, 4}, (const double[]){16, 0, 0},
+                     (const double[]){0, 16, 0}, 8, 8);
+    gw_scene *scene = gw_mesh_take(&mesh);
+    assert_int_equal(scene->vertex_count, of_ball + 81);
+    scene->materials = realloc(scene->materials, 2 * sizeof *scene->materials);
+    assert_non_null(scene->materials);
+    scene->materials[1] = scene->materials[0];
+    scene->materials[MATT].base_color_texture = 0;
+    scene->materials[MIRROR] =
+        (gw_material){.base_color = {1, 1, 1, 1}, .metalness = 1, .base_color_texture = -1};
+    scene->material_count = 2;
+    for (uint32_t t = 0; t < scene->triangle_count; ++t)
+        scene->material_of[t] = t < faces_of_ball ? MIRROR : MATT;
+    for (uint32_t v = 0; v < scene->vertex_count; ++v) {
+        const float *p = scene->positions + (size_t)v * 3;
+        float from[3], length = 0;
+        for (int k = 0; k < 3; ++k) {
+            from[k] = (float)(ldexp((double)p[k], scene->exponent) + scene->centre[k]);
+            length += from[k] * from[k];
+        }
+        for (int k = 0; k < 3 && v < of_ball; ++k)
+            scene->normals[v * 3 + (uint32_t)k] = from[k] / sqrtf(length);
+        scene->texcoords[v * 2] = from[0] / 8;
+        scene->texcoords[v * 2 + 1] = from[1] / 8;
+    }
+    check_ok(gw_allocate(&memory, 1, sizeof *scene->textures, "texture", &error));
+    scene->textures = memory;
+    scene->texture_count = 1;
+    check_ok(gw_image_create(TEXELS, TEXELS, &scene->textures[0].image, &error));
+    for (size_t i = 0; i < TEXELS * TEXELS * 4; ++i)
+        scene->textures[0].image.rgba[i] = i % 4 == 3 ? 255 : (uint8_t)(255 * gw_test_random(&random));
+    for (int i = 0; i < 3; ++i)
+        scene->ambient[i] = 3;
+    return scene;
+}
+
+/* Root mean square error in linear light of one ray a pixel to many, triangles only, so that nothing but the
+ * footprint of the reflected ray is seen. */
+static double error_in_the_ball(const char *shaders) {
+    gw_stage stage;
+    gw_camera camera;
+    double sum = 0;
+    check_ok(gw_stage_open(&stage, ball_before_noise(), shaders,
+                           (const char *const[]){"octree_depth=7", NULL}, &error));
+    gw_camera_look(&camera, &stage, (const double[]){0, 0, 3}, (const double[]){0, 0, 0}, 10, SIDE);
+    gw_counters counters = {0};
+    uint8_t *one = take(&stage, &camera, NULL, &counters);
+    camera.state.samples = 4;
+    camera.state.accumulate = 4;
+    uint8_t *many = take(&stage, &camera, NULL, NULL);
+    assert_true(counters.mirror_rays > PIXELS / 2);
+    for (size_t i = 0; i < PIXELS * 4; ++i) {
+        const double d = gw_srgb_code_to_linear(one[i]) - gw_srgb_code_to_linear(many[i]);
+        sum += d * d;
+    }
+    free(one);
+    free(many);
+    gw_stage_close(&stage);
+    return sqrt(sum / (3.0 * PIXELS));
+}
+
+static void curvature_widens_what_a_mirror_sees(void **state) {
+    char folder[512];
+    (void)state;
+    const double curved = error_in_the_ball(NULL),
+                 flat = error_in_the_ball(
+                     gw_naive_shaders(folder, "flat", "shade/mirror_rays.comp", "FLAT_MIRRORS"));
+    print_message("# a ball that mirrors noise: error %.4f, as if it were flat %.4f\n", curved, flat);
+    assert_true(curved < 0.03);
+    assert_true(flat > 3 * curved); /* the naive rule fails */
+}
+
+/* Up to mirror_roughness metal is a mirror; a frame's state may change it. */
+static void roughness_decides_what_is_a_mirror(void **state) {
+    static const struct {
+        float roughness, limit;
+        int mirrors;
+    } rows[] = {{0.1f, 0.02f, 0}, {0.1f, 0.15f, 1}, {0.02f, 0.02f, 1}, {0.02f, 0.01f, 0}, {0, 0, 1}};
+    (void)state;
+    for (int tau = 0; tau < 2; ++tau) {
+        gw_stage stage;
+        gw_camera camera;
+        for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
+            if (i == 0 || rows[i].roughness != rows[i - 1].roughness) {
+                gw_scene *scene = room(1, 1);
+                scene->materials[MIRROR].roughness = rows[i].roughness;
+                check_ok(gw_stage_open(&stage, scene, NULL, (const char *const[]){"octree_depth=6", NULL},
+                                       &error));
+            }
+            gw_counters counters = {0};
+            look(&camera, &stage, (float)(4 * tau));
+            camera.state.mirror_roughness = rows[i].limit;
+            free(take(&stage, &camera, NULL, &counters));
+            if (rows[i].mirrors)
+                assert_true(counters.mirror_rays > PIXELS / 8);
+            else
+                assert_int_equal(counters.mirror_rays, 0);
+            if (i + 1 == sizeof rows / sizeof rows[0] || rows[i + 1].roughness != rows[i].roughness)
+                gw_stage_close(&stage);
+        }
+    }
+}
+
 /* A gaze, voxels, sparse samples, shadows, a curved mirror and a flat one. */
 static void however_it_is_drawn_pixels_are_the_same(void **state) {
     (void)state;
@@ -269,6 +382,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_mirror_shows_the_mirrored_scene),
         cmocka_unit_test(voxels_of_a_mirror_reflect_too),
+        cmocka_unit_test(curvature_widens_what_a_mirror_sees),
+        cmocka_unit_test(roughness_decides_what_is_a_mirror),
         cmocka_unit_test(however_it_is_drawn_pixels_are_the_same),
         cmocka_unit_test(a_corridor_of_mirrors_ends),
         cmocka_unit_test(without_lights_and_mirrors_there_is_nothing),

@@ -208,17 +208,17 @@ static void scenes_call_for_what_their_used_materials_need(void **state) {
                       .material_of = material_of,
                       .material_count = 3,
                       .materials = materials};
-    assert_int_equal(gw_features_of_scene(&scene, &octree), 0);
+    assert_int_equal(gw_features_of_scene(&scene, &octree, 0.02f), 0);
     material_of[1] = 1;
-    assert_int_equal(gw_features_of_scene(&scene, &octree), GW_FEATURE_TEXTURES | GW_FEATURE_ALPHA);
+    assert_int_equal(gw_features_of_scene(&scene, &octree, 0.02f), GW_FEATURE_TEXTURES | GW_FEATURE_ALPHA);
     material_of[1] = 2;
     normals[4] = 1.0f;
     scene.lights = &lamp;
     scene.light_count = 1;
     octree.node_count += 1;
-    assert_int_equal(gw_features_of_scene(&scene, &octree), GW_FEATURE_EMISSIVE | GW_FEATURE_SMOOTH_NORMALS |
-                                                                GW_FEATURE_POINT_LIGHTS | GW_FEATURE_SHADOWS |
-                                                                GW_FEATURE_WIDE_NODES);
+    assert_int_equal(gw_features_of_scene(&scene, &octree, 0.02f),
+                     GW_FEATURE_EMISSIVE | GW_FEATURE_SMOOTH_NORMALS | GW_FEATURE_POINT_LIGHTS |
+                         GW_FEATURE_SHADOWS | GW_FEATURE_WIDE_NODES);
 }
 
 static void every_effect_is_one_row(void **state) {

@@ -165,9 +165,12 @@ moving-scene: $(TREE)/tests/tools/make_moving_scene
 	$(quiet)$< configs/scenes/moving.gltf
 
 install: all
-	install -d '$(DESTDIR)$(PREFIX)/bin' '$(DESTDIR)$(PREFIX)/share/gazewall' '$(DESTDIR)$(PREFIX)/share/doc/gazewall/docs'
+	install -d '$(DESTDIR)$(PREFIX)/bin' '$(DESTDIR)$(PREFIX)/share/gazewall' '$(DESTDIR)$(PREFIX)/share/doc/gazewall/docs' \
+		'$(DESTDIR)$(PREFIX)/share/man/man1'
 	install -m 755 $(PROGRAM) '$(DESTDIR)$(PREFIX)/bin/gazewall'
 	cp -R configs '$(DESTDIR)$(PREFIX)/share/gazewall/'
+	sed 's|/usr/local/|$(PREFIX)/|' docs/gazewall.1 > '$(DESTDIR)$(PREFIX)/share/man/man1/gazewall.1'
+	chmod 644 '$(DESTDIR)$(PREFIX)/share/man/man1/gazewall.1'
 	install -m 644 README.md LICENSE '$(DESTDIR)$(PREFIX)/share/doc/gazewall/'
 	install -m 644 $(wildcard docs/*.md docs/*.png) '$(DESTDIR)$(PREFIX)/share/doc/gazewall/docs/'
 

@@ -411,6 +411,7 @@ static void load_examples(const char *path, size_t least) {
 static void examples_of_the_manual_load(void **state) {
     (void)state;
     load_examples("docs/sites.md", 6);
+    load_examples("docs/measure-your-wall.md", 2);
 }
 
 static void differences_are_told_and_sorted(void **state) {

@@ -30,7 +30,7 @@ expect "a word too many" 2 "'extra' is one word too many" settings extra
 expect "an option without its value" 2 "option '--size' needs a value: --size WxH" render --size
 expect "a value that does not belong" 2 "option '--no-gaze' takes no value" render --no-gaze=1
 expect "a word that belongs nowhere" 2 "'model.obj' belongs to no option; a scene is given as --scene model.obj" render model.obj
-expect "a rank by hand" 2 "start that" rank
+expect "a rank by hand" 2 "start one of them" rank
 
 # --- values
 expect "a size in words" 2 "--size 'big' is not two whole numbers" render --size big

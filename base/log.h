@@ -12,8 +12,8 @@ typedef struct gw_log {
     void *context;          /* owned by the sink's owner */
     /* One finished line without newline. */
     void (*line)(void *context, gw_log_level level, const char *text);
-    /* Progress of long work: what is done ("building octree"), fraction 0..1. May be NULL. Called at any
-     * rate; the sink decides how often to show it. */
+    /* Progress of long work: what is done ("building octree"), fraction 0..1, or below 0 when no end is
+     * known. May be NULL. Called at any rate; the sink decides how often to show it. */
     void (*progress)(void *context, const char *what, double fraction);
 } gw_log;
 

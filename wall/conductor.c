@@ -21,11 +21,11 @@ gw_code gw_conductor_init(gw_conductor *conductor, struct gw_rank *rank, int arg
     if (!code)
         code = gw_conductor_choose_source(conductor, rank, error);
     if (!code)
-        code = gw_allocate((void **)&conductor->states, conductor->frame_count, sizeof *conductor->states,
+        code = gw_allocate((void **)&conductor->states, conductor->kept, sizeof *conductor->states,
                            "frame states", error);
     if (!code)
-        code = gw_allocate((void **)&conductor->milliseconds, conductor->frame_count, sizeof(double),
-                           "frame times", error);
+        code = gw_allocate((void **)&conductor->milliseconds, conductor->kept, sizeof(double), "frame times",
+                           error);
     if (!code && options->out)
         code = gw_make_directories(options->out, error);
     if (!code && options->out)
@@ -44,7 +44,9 @@ static int64_t patience_of(const gw_conductor *conductor, const struct gw_rank *
     const double first_frame = 120;
     double seconds = rank->options.frame_deadline;
     if (seconds <= 0) {
-        seconds = 20e-3 * gw_spread_of(conductor->milliseconds, done_frames).median;
+        seconds = 20e-3 * gw_spread_of(conductor->milliseconds,
+                                       done_frames < conductor->kept ? done_frames : conductor->kept)
+                              .median;
         seconds = seconds < 10 ? 10 : seconds;
     }
     if (done_frames == 0 && seconds < first_frame)
@@ -89,7 +91,10 @@ static gw_code add_up(gw_conductor *conductor, const struct gw_rank *rank, const
                            done->text);
         pixels[i] = tile ? tile->pixels : rank->pixels;
         double milliseconds = (double)done->render_ns * 1e-6;
-        *slowest = milliseconds > *slowest ? milliseconds : *slowest;
+        if (milliseconds > *slowest) {
+            *slowest = milliseconds;
+            conductor->slowest_tile = i;
+        }
         gw_counters_add(sum, &done->counters);
         gw_predicted_error_add(&conductor->seen, &done->predicted);
         gw_budget_note(&conductor->budget, i, done);
@@ -104,7 +109,7 @@ static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_
     release.pixels = release.last || rank->options.out;
     release.predict = release.last || rank->options.out || gw_budget_is_on(&conductor->budget);
     gw_conductor_make_state(conductor, rank, frame, &release.state);
-    conductor->states[frame] = release.state;
+    conductor->states[gw_kept(conductor, frame)] = release.state;
     int64_t begin = gw_now_ns();
     gw_code code = gw_gate_release(conductor->gate, &release, error);
     if (code)
@@ -120,7 +125,7 @@ static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_
     if (code)
         return code;
     int64_t end = gw_now_ns();
-    conductor->milliseconds[frame] = (double)(end - begin) * 1e-6;
+    conductor->milliseconds[gw_kept(conductor, frame)] = (double)(end - begin) * 1e-6;
 
     const uint8_t *pixels[GW_MAXIMUM_TILES];
     gw_counters sum;
@@ -128,6 +133,7 @@ static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_
     code = add_up(conductor, rank, &own, release.state.frame, pixels, &sum, &slowest, error);
     if (code)
         return code;
+    conductor->slowest_ms = slowest;
     gw_counters_add(&conductor->counters, &sum);
     if (gw_budget_is_on(&conductor->budget))
         gw_budget_decide(&conductor->budget, &release.state);
@@ -150,10 +156,10 @@ gw_code gw_conductor_run(gw_conductor *conductor, struct gw_rank *rank, gw_error
     uint32_t frame = 0;
     /* An interruption ends the run after this frame, with what there is: states, rows, report. */
     for (; frame < conductor->frame_count && !code && !(frame && gw_link_stop(&rank->line)); frame++) {
-        char text[64] = "drawing frames";
-        if (conductor->seen.places)
-            snprintf(text, sizeof text, "drawing frames, error %.1f times", conductor->seen.worst);
-        gw_log_progress(&rank->line.log, text, (double)frame / conductor->frame_count);
+        char text[160];
+        gw_conductor_status(conductor, rank, frame, text);
+        gw_log_progress(&rank->line.log, text,
+                        conductor->frame_count == GW_ENDLESS ? -1 : (double)frame / conductor->frame_count);
         code = draw_frame(conductor, rank, frame, start, error);
     }
     promise(rank, patience_of(conductor, rank, 0), 0);

@@ -15,19 +15,25 @@
 
 struct gw_rank;
 
+#define GW_ENDLESS UINT32_MAX
+
 typedef struct gw_conductor {
     json_t *report;
-    gw_track *track;     /* NULL with recorded states, or a gaze from the command line */
-    gw_states recorded;  /* of --states */
-    double stare[3];     /* mm, for --gaze */
-    gw_camera_path path; /* of --path; keys owned; no keys: the scene stands as it is placed */
-    uint32_t frame_count;
+    gw_track *track;      /* NULL with recorded states, or a gaze from the command line */
+    gw_states recorded;   /* of --states */
+    double stare[3];      /* mm, for --gaze */
+    gw_camera_path path;  /* of --path; keys owned; no keys: the scene stands as it is placed */
+    uint32_t frame_count; /* GW_ENDLESS: until the run is ended */
+    uint32_t kept;        /* so many states and times are kept: all, or the last of a run without an end */
+    int64_t started;      /* ns; the time of frame 0 when frames follow the clock, or 0: they do not */
     int64_t first_time, step;             /* ns, of the track's clock */
     int scene_moves;                      /* it is animated, so every frame's time is a view of its own */
-    gw_frame_state *states;               /* [frame_count], as sent */
-    double *milliseconds;                 /* [frame_count], release to last pixel */
+    gw_frame_state *states;               /* [kept], as sent; frame N at N modulo kept */
+    double *milliseconds;                 /* [kept], release to last pixel */
     int64_t lost_frame[GW_MAXIMUM_TILES]; /* -1: not lost */
     uint32_t lost_count;
+    uint32_t slowest_tile; /* of the last frame */
+    double slowest_ms;
     gw_counters counters;           /* of all tiles and frames */
     gw_budget budget;               /* of --budget, --budget-rays */
     gw_predicted_error predicted;   /* of all tiles, in all frames for which it was asked */

@@ -5,6 +5,15 @@
 
 #include "wall/conductor.h"
 
+/* Where a frame's state and time are kept. */
+static inline uint32_t gw_kept(const gw_conductor *conductor, uint32_t frame) {
+    return frame % conductor->kept;
+}
+
+/* "frame 120, 24.1 a second, slowest tile c1r0 31 ms, ..." */
+void gw_conductor_status(const gw_conductor *conductor, const struct gw_rank *rank, uint32_t frame,
+                         char text[160]);
+
 /* Reads the track or the states; sets frame_count, first_time and step. */
 gw_code gw_conductor_choose_source(gw_conductor *conductor, const struct gw_rank *rank, gw_error *error);
 /* Copies --path out of the scene, while rank 0 still has it. */

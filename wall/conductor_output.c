@@ -8,6 +8,7 @@
 #include "wall/picture.h"
 #include "wall/rank.h"
 #include "wall/report.h"
+#include "wall/tile_picture.h"
 #include "wall/verbs.h"
 
 #include <inttypes.h>
@@ -96,7 +97,8 @@ gw_code gw_conductor_describe(gw_conductor *conductor, const struct gw_rank *ran
 
 void gw_conductor_write_row(gw_conductor *conductor, uint32_t frame, const gw_counters *sum, double presented,
                             double slowest) {
-    const gw_frame_state *s = &conductor->states[frame], knobs = gw_frame_state_in_force(s);
+    const gw_frame_state *s = &conductor->states[gw_kept(conductor, frame)],
+                         knobs = gw_frame_state_in_force(s);
     const gw_gaze *g = &s->gazes[0]; /* all zero when there is none */
     fprintf(conductor->rows,
             "%" PRIu32 ",%.3f,%.9f,%.9g,%.9g,%.9g,%" PRIu32 ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%" PRIu32
@@ -106,7 +108,7 @@ void gw_conductor_write_row(gw_conductor *conductor, uint32_t frame, const gw_co
             (double)g->confidence, (double)knobs.tau, (double)knobs.tau_inside, s->epoch, s->accumulate,
             (double)s->strain, (double)knobs.gaze_margin, (double)knobs.acuity_slope, 1 << knobs.sample_block,
             conductor->seen.worst, gw_predicted_error_mean(&conductor->seen), sum->rays,
-            conductor->milliseconds[frame], slowest, conductor->lost_count);
+            conductor->milliseconds[gw_kept(conductor, frame)], slowest, conductor->lost_count);
     fflush(conductor->rows);
 }
 
@@ -152,7 +154,7 @@ gw_code gw_conductor_write_pictures(gw_conductor *conductor, const struct gw_ran
         if (code)
             return code;
     }
-    return GW_OK;
+    return gw_tile_write_others(rank, release, pixels, error);
 }
 
 /* Without --out the report still tells the last picture's hash. */
@@ -176,13 +178,19 @@ static void print(struct gw_rank *rank, const char *format, ...) {
     gw_link_send(&rank->line, GW_LINK_PRINT, 0, text);
 }
 
+/* How many frames' times are still known. */
+static uint32_t known_frames(const gw_conductor *conductor) {
+    return conductor->frame_count < conductor->kept ? conductor->frame_count : conductor->kept;
+}
+
 static void sum_up(const gw_conductor *conductor, struct gw_rank *rank) {
     const gw_layout *layout = &rank->site.layout;
     const char *out = rank->options.out;
-    gw_spread ms = gw_spread_of(conductor->milliseconds, conductor->frame_count);
+    const uint32_t known = known_frames(conductor);
+    gw_spread ms = gw_spread_of(conductor->milliseconds, known);
     double total = 0;
-    for (uint32_t i = 0; i < conductor->frame_count; i++)
-        total += conductor->milliseconds[i];
+    for (uint32_t i = 0; i < known; i++)
+        total += conductor->milliseconds[i] * conductor->frame_count / known;
     double pixels = (double)conductor->frame_count * layout->picture[0] * layout->picture[1];
     print(rank, "scene    %s", conductor->scene_line ? conductor->scene_line : "");
     print(rank, "octree   %s", conductor->octree_line ? conductor->octree_line : "");
@@ -218,10 +226,11 @@ gw_code gw_conductor_finish(gw_conductor *conductor, struct gw_rank *rank, gw_er
     if (!code && options->save_states)
         code = gw_states_save(options->save_states, conductor->states, conductor->frame_count, error);
     gw_report_tiles(conductor->report, &rank->site.layout, conductor->lost_frame);
-    gw_report_frames(conductor->report, conductor->milliseconds, conductor->frame_count);
+    gw_report_frames(conductor->report, conductor->milliseconds, known_frames(conductor),
+                     conductor->frame_count);
     gw_report_ended(conductor->report, gw_link_stop(&rank->line));
     gw_report_counters(conductor->report, &conductor->counters);
-    const gw_frame_state *last = &conductor->states[conductor->frame_count - 1];
+    const gw_frame_state *last = &conductor->states[gw_kept(conductor, conductor->frame_count - 1)];
     gw_report_predicted_error(conductor->report, &conductor->predicted, last,
                               gw_budget_json(&conductor->budget));
     if (!code)

@@ -1,6 +1,7 @@
 /* What the frames of a run are made from: a track, recorded states, a fixed gaze, a camera path. */
 #include "wall/conductor_internal.h"
 
+#include "base/clock.h"
 #include "base/memory.h"
 #include "render/camera.h"
 #include "wall/rank.h"
@@ -26,10 +27,9 @@ static gw_code read_track(gw_conductor *conductor, const struct gw_rank *rank, g
     return GW_OK;
 }
 
-/* What the frames are made from. */
-gw_code gw_conductor_choose_source(gw_conductor *conductor, const struct gw_rank *rank, gw_error *error) {
+static gw_code choose_source(gw_conductor *conductor, const struct gw_rank *rank, gw_error *error) {
     const gw_sim_options *options = &rank->options;
-    conductor->frame_count = options->frames ? options->frames : 1;
+    conductor->frame_count = options->frames ? options->frames : options->cluster ? GW_ENDLESS : 1;
     gw_budget_init(&conductor->budget, options->budget_ms, options->budget_rays,
                    options->draw.settings.strain);
     conductor->first_time = (int64_t)(options->draw.time * 1e9);
@@ -50,10 +50,35 @@ gw_code gw_conductor_choose_source(gw_conductor *conductor, const struct gw_rank
     return options->gaze == GW_GAZE_NONE ? GW_OK : read_track(conductor, rank, error);
 }
 
+gw_code gw_conductor_choose_source(gw_conductor *conductor, const struct gw_rank *rank, gw_error *error) {
+    const uint32_t kept_when_endless = 1u << 16;
+    gw_code code = choose_source(conductor, rank, error);
+    const int endless = conductor->frame_count == GW_ENDLESS;
+    conductor->kept = endless ? kept_when_endless : conductor->frame_count;
+    if (endless && rank->options.step < 0)
+        conductor->started = gw_now_ns();
+    return code;
+}
+
+/* Frames without an end follow the clock, unless they have a step; a track begins anew when it is over. */
+static int64_t time_of(const gw_conductor *conductor, uint32_t frame) {
+    if (!conductor->started)
+        return conductor->first_time + (int64_t)frame * conductor->step;
+    int64_t passed = gw_now_ns() - conductor->started;
+    int64_t left = conductor->track ? conductor->track->duration - conductor->first_time : 0;
+    return conductor->first_time + (left > 0 ? passed % left : passed);
+}
+
 /* Every frame looks somewhere: where eye and look_at of a path meet, nothing says where to. */
 static gw_code check_path(const gw_conductor *conductor, const char *name, gw_error *error) {
+    const int64_t endless_step = 10000000;
+    const int clocked = conductor->started != 0;
+    const double end = conductor->path.keys[conductor->path.key_count - 1].time;
     for (uint32_t frame = 0; frame < conductor->frame_count; ++frame) {
-        const double time = (double)(conductor->first_time + (int64_t)frame * conductor->step) * 1e-9;
+        const int64_t step = clocked ? endless_step : conductor->step;
+        const double time = (double)(conductor->first_time + (int64_t)frame * step) * 1e-9;
+        if (conductor->frame_count == GW_ENDLESS && (time > end || (frame && step == 0)))
+            break;
         double stand[3], look_at[3];
         gw_camera_path_at(&conductor->path, time, stand, look_at);
         if ((float)stand[0] == (float)look_at[0] && (float)stand[1] == (float)look_at[1] &&
@@ -108,7 +133,7 @@ void gw_conductor_make_state(gw_conductor *conductor, const struct gw_rank *rank
         return;
     }
     gw_frame_begin(state, frame, &draw->settings, draw->seed, draw->debug);
-    int64_t time = conductor->first_time + (int64_t)frame * conductor->step;
+    int64_t time = time_of(conductor, frame);
     if (conductor->track) {
         gw_frame_look(state, conductor->track, time, rank->site.layout.eye, &draw->settings);
     } else {
@@ -121,7 +146,7 @@ void gw_conductor_make_state(gw_conductor *conductor, const struct gw_rank *rank
     navigate(conductor, state);
     if (gw_budget_is_on(&conductor->budget))
         state->strain = gw_budget_strain(&conductor->budget);
-    const gw_frame_state *before = frame ? &conductor->states[frame - 1] : NULL;
+    const gw_frame_state *before = frame ? &conductor->states[gw_kept(conductor, frame - 1)] : NULL;
     if (draw->settings.accumulate > 1)
         gw_frame_hold(state, before, rank->options.still[0], rank->options.still[1]);
     gw_frame_accumulate(state, before, conductor->scene_moves);

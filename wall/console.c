@@ -28,13 +28,15 @@ static void show_progress(void *context, const char *what, double fraction) {
     if (console->quiet || now - console->last_shown < interval)
         return;
     console->last_shown = now;
-    double percent = 100.0 * fraction;
+    char share[16] = "";
+    if (fraction >= 0)
+        snprintf(share, sizeof share, ": %.0f %%", 100.0 * fraction);
     if (console->terminal) {
-        fprintf(stderr, "\r\033[K%s: %.0f %%", what, percent);
+        fprintf(stderr, "\r\033[K%s%s", what, share);
         fflush(stderr);
         console->live = 1;
     } else {
-        fprintf(stderr, "gazewall %s: %s: %.0f %%\n", console->verb, what, percent);
+        fprintf(stderr, "gazewall %s: %s%s\n", console->verb, what, share);
     }
 }
 

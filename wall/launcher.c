@@ -22,7 +22,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { GRACE_MS = 2000, POLL_MS = 200, FINISH_S = 15 };
+/* mpirun takes 2 s to end what runs on other hosts. */
+enum { GRACE_MS = 2000, TERMINATION_MS = 5000, POLL_MS = 200, FINISH_S = 15 };
 
 /* --- starting
  * ---------------------------------------------------------------------------------------------------- */
@@ -338,7 +339,7 @@ static void end_all(gw_launcher *l) {
         wait_until_gone(l, GRACE_MS);
     if (!all_gone(l)) {
         signal_all(l, SIGTERM);
-        wait_until_gone(l, GRACE_MS);
+        wait_until_gone(l, l->plan->hosts->remote ? TERMINATION_MS : GRACE_MS);
     }
     if (!all_gone(l)) {
         gw_log_write(&l->console->log, GW_LOG_DEBUG, "ending what does not end by itself");

@@ -7,8 +7,8 @@
 #include "wall/conductor.h"
 #include "wall/interrupt.h"
 #include "wall/mpi_wait.h"
-#include "wall/picture.h"
 #include "wall/stereo.h"
+#include "wall/tile_picture.h"
 #include "wall/verbs.h"
 
 #include <inttypes.h>
@@ -29,33 +29,6 @@ static gw_stereo own_stereo(const gw_rank *rank) {
 /* --- a frame
  * ---------------------------------------------------------------------------------------------------- */
 
-static gw_code write_own_picture(gw_rank *rank, const char *path, gw_error *error) {
-    const gw_tile *tile = own_tile(rank);
-    const gw_image image = {
-        .width = tile->rectangle.width, .height = tile->rectangle.height, .rgba = rank->pixels};
-    char comment[128];
-    snprintf(comment, sizeof comment, "Gazewall " GW_VERSION ", tile %s of %" PRIu32, tile->name,
-             rank->site.layout.tile_count);
-    gw_interrupt_hold();
-    gw_code code = path ? gw_image_write_png(path, &image, comment, error)
-                        : gw_fail(error, GW_MACHINE, "memory is out while naming a picture");
-    gw_interrupt_release();
-    return code;
-}
-
-static gw_code write_own_pictures(gw_rank *rank, const gw_release *release, gw_error *error) {
-    const char *name = own_tile(rank)->name;
-    char *path = gw_picture_path(rank->options.out, "tile-%s-%04" PRIu32 ".png", name, release->state.frame);
-    gw_code code = write_own_picture(rank, path, error);
-    free(path);
-    if (code || !release->last)
-        return code;
-    path = gw_picture_path(rank->options.out, "tile-%s.png", name);
-    code = write_own_picture(rank, path, error);
-    free(path);
-    return code;
-}
-
 void gw_rank_draw(gw_rank *rank, const gw_release *release, gw_done *done) {
     const gw_tile *tile = own_tile(rank);
     gw_error error = {0};
@@ -73,8 +46,8 @@ void gw_rank_draw(gw_rank *rank, const gw_release *release, gw_done *done) {
     if (!code && release->predict)
         code = gw_stereo_predict(&rank->share.scene.scene, &rank->share.octree, &placement, own_stereo(rank),
                                  tile, &release->state, &done->predicted, &error);
-    if (!code && rank->options.out)
-        code = write_own_pictures(rank, release, &error);
+    if (!code && rank->options.out && gw_tile_writes_itself(rank, (uint32_t)rank->number))
+        code = gw_tile_write_pictures(rank, (uint32_t)rank->number, rank->pixels, release, &error);
     done->code = (int32_t)code;
     snprintf(done->text, sizeof done->text, "%s", error.text);
 }

@@ -272,8 +272,8 @@ gw_spread gw_spread_of(const double *values, size_t value_count) {
     return spread;
 }
 
-void gw_report_frames(json_t *report, const double *milliseconds, size_t frame_count) {
-    gw_spread spread = gw_spread_of(milliseconds, frame_count);
+void gw_report_frames(json_t *report, const double *milliseconds, size_t known, size_t frame_count) {
+    gw_spread spread = gw_spread_of(milliseconds, known);
     json_object_set_new(report, "frames", count(frame_count));
     json_object_set_new(
         report, "frame_ms",

@@ -48,8 +48,8 @@ typedef struct gw_spread {
 } gw_spread;
 /* Of count values; all zero for none. */
 gw_spread gw_spread_of(const double *values, size_t count);
-/* frames and frame_ms. */
-void gw_report_frames(json_t *report, const double *milliseconds, size_t count);
+/* frames, and frame_ms by the times of the `known` last of them. */
+void gw_report_frames(json_t *report, const double *milliseconds, size_t known, size_t frame_count);
 
 /* Whether the frames are all that were asked for. */
 void gw_report_ended(json_t *report, int interrupted);

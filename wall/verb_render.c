@@ -366,7 +366,7 @@ static gw_code fill_report(render *r, gw_error *error) {
                      r->model.from_cache);
     gw_report_settings(r->report, &r->options.draw.settings);
     gw_report_tiles(r->report, &r->view.layout, never_lost);
-    gw_report_frames(r->report, &r->milliseconds, 1);
+    gw_report_frames(r->report, &r->milliseconds, 1, 1);
     gw_report_counters(r->report, &r->counters);
     gw_report_predicted_error(r->report, &r->predicted, &r->state, json_null());
     gw_report_image(r->report, r->options.out, &r->image);

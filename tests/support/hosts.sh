@@ -1,7 +1,7 @@
 # Several machines on one, sourced by tests after tap.sh: network namespaces on a bridge, each with a host name, process
 # numbers, shared memory and a home of its own, and an agent that starts programs there in place of ssh. Everything is
 # made inside namespaces of the test itself, so nothing of it is left when the test ends, however that happens.
-# shellcheck shell=bash
+# shellcheck shell=bash disable=SC2154
 
 # with_hosts: runs this script again inside, as root there; where that is not possible all tests are skipped by name.
 with_hosts() {

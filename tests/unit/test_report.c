@@ -58,7 +58,8 @@ static void sections_are_filled(void **state) {
     gw_report_counters(report, &counters);
     gw_report_track(report, &track);
     gw_report_tiles(report, &layout, lost);
-    gw_report_frames(report, times, 3);
+    gw_report_frames(report, times, 3, 5);
+    gw_report_ended(report, 1);
     gw_report_image(report, NULL, &image);
 
     assert_int_equal(json_integer_value(json_object_get(json_object_get(report, "scene"), "triangles")), 3);
@@ -80,6 +81,8 @@ static void sections_are_filled(void **state) {
     assert_int_equal(json_integer_value(json_object_get(tile, "lost_frame")), 17);
     assert_true(json_real_value(json_object_get(json_object_get(report, "frame_ms"), "median")) == 3);
     assert_true(json_real_value(json_object_get(json_object_get(report, "frame_ms"), "max")) == 5);
+    assert_int_equal(json_integer_value(json_object_get(report, "frames")), 5);
+    assert_string_equal(json_string_value(json_object_get(report, "ended")), "interrupted");
     assert_true(json_is_object(json_object_get(report, "device")));
     assert_true(json_is_object(json_object_get(report, "tracking")));
     assert_true(json_is_object(json_object_get(report, "build")));

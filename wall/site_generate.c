@@ -19,7 +19,8 @@ static gw_code read_count(const gw_yaml_node *map, const char *key, int needed, 
     return code;
 }
 
-static gw_code read_tile(const gw_yaml_node *map, gw_grid *grid, gw_error *error) {
+static gw_code read_tile(const gw_site_source *source, const gw_yaml_node *map, gw_grid *grid,
+                         gw_error *error) {
     static const char *const names[] = {"width", "height", "pixels"};
     const gw_yaml_node *tile, *node;
     uint32_t pixels[2] = {0, 0};
@@ -33,7 +34,7 @@ static gw_code read_tile(const gw_yaml_node *map, gw_grid *grid, gw_error *error
             code = gw_yaml_number(node, names[i], 1, 1e5, &size[i], error);
     }
     if (!code)
-        code = gw_site_pixels(tile, "pixels", 1, pixels, error);
+        code = gw_site_pixels_of(source, tile, NULL, pixels, error);
     if (code)
         return code;
     for (uint32_t i = 0; i < grid->columns; i++)
@@ -167,14 +168,14 @@ static gw_code read_bend(const gw_yaml_node *map, const gw_grid *grid, gw_hang *
 }
 
 /* Columns, rows and tile of a grid, and where it hangs. */
-static gw_code read_array(const gw_yaml_node *map, int counts_needed, gw_grid *grid, gw_hang *hang,
-                          gw_error *error) {
+static gw_code read_array(const gw_site_source *source, const gw_yaml_node *map, int counts_needed,
+                          gw_grid *grid, gw_hang *hang, gw_error *error) {
     const gw_yaml_node *centre = gw_yaml_find(map, "centre");
     gw_code code = read_count(map, "columns", counts_needed, &grid->columns, error);
     if (!code)
         code = read_count(map, "rows", counts_needed, &grid->rows, error);
     if (!code)
-        code = read_tile(map, grid, error);
+        code = read_tile(source, map, grid, error);
     if (!code)
         code = read_bezel(map, grid, error);
     if (!code)
@@ -192,7 +193,9 @@ static gw_code add(gw_site_source *source, const gw_yaml_node *map, const gw_gri
     gw_code code = gw_layout_add_grid(grid, hang, name, place, place, out, framed_end, &inner);
     for (uint32_t t = first; t < out->tile_count; t++)
         source->tiles[t] = map;
-    return code ? gw_yaml_fail(map, error, "%s", inner.text) : GW_OK;
+    if (code)
+        return gw_yaml_fail(map, error, "%s", inner.text);
+    return gw_site_refit(source, grid->columns, grid->rows, first, out, framed_end, error);
 }
 
 static gw_code read_one(gw_site_source *source, const char *kind, const gw_yaml_node *map, gw_layout *out,
@@ -206,7 +209,7 @@ static gw_code read_one(gw_site_source *source, const char *kind, const gw_yaml_
     gw_hang hang = gw_hang_front;
     gw_code code = gw_site_map(map, kind, names, bent ? GW_COUNT(names) : 8, error);
     if (!code)
-        code = read_array(map, 1, &grid, &hang, error);
+        code = read_array(source, map, 1, &grid, &hang, error);
     if (!code && bent)
         code = gw_site_require(map, "radius", &node, error);
     if (!code && bent)
@@ -236,7 +239,7 @@ static gw_code read_wall(gw_site_source *source, const gw_yaml_node *map, wall_p
     if (!code)
         code = gw_site_pixels(map, "place", 0, part->place, error);
     if (!code)
-        code = read_array(map, 0, &grid, &hang, error);
+        code = read_array(source, map, 0, &grid, &hang, error);
     if (!code && gw_yaml_find(map, "radius"))
         code = read_bend(map, &grid, &hang, error);
     if (!code && hang.radius == 0 &&

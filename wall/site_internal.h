@@ -32,6 +32,13 @@ gw_code gw_site_text(const gw_yaml_node *map, const char *key, const char *other
 /* [across, down] in whole pixels, which must be there. */
 gw_code gw_site_pixels(const gw_yaml_node *map, const char *key, uint32_t minimum, uint32_t out[2],
                        gw_error *error);
+/* The pixels of a tile: what `panels` says of it, else key pixels of its map, else what `panel` says for all.
+ * name is NULL for what a generator's tiles have in common. */
+gw_code gw_site_pixels_of(const gw_site_source *source, const gw_yaml_node *map, const char *name,
+                          uint32_t out[2], gw_error *error);
+/* Gives tiles of a grid, from `first` on, the pixels that `panels` says of them; the others make room. */
+gw_code gw_site_refit(const gw_site_source *source, uint32_t columns, uint32_t rows, uint32_t first,
+                      gw_layout *layout, uint32_t framed_end[2], gw_error *error);
 /* [x, y, z] in mm. */
 gw_code gw_site_point(const gw_yaml_node *node, const char *key, double out[3], gw_error *error);
 /* Key name, which must be there: of a tile or a wall. */

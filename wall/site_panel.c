@@ -91,11 +91,12 @@ static gw_code read_light(const gw_yaml_node *map, gw_panel *out, gw_error *erro
     return code ? code : gw_site_number(map, "brightness", 0.1, 1, &out->brightness, error);
 }
 
-/* Lays the keys of a map over *out. */
-static gw_code read_panel(const gw_yaml_node *map, const char *key, gw_panel *out, gw_error *error) {
-    static const char *const names[] = {"host",   "display", "monitor", "gpu",       "window",
-                                        "stereo", "gamma",   "white",   "brightness"};
-    gw_code code = gw_site_map(map, key, names, GW_COUNT(names), error);
+/* Lays the keys of a map over *out; but for pixels, which the layout was made of (site_pixels.c). */
+static gw_code read_panel(const gw_yaml_node *map, const char *key, int with_pixels, gw_panel *out,
+                          gw_error *error) {
+    static const char *const names[] = {"host",   "display", "monitor", "gpu",        "window",
+                                        "stereo", "gamma",   "white",   "brightness", "pixels"};
+    gw_code code = gw_site_map(map, key, names, GW_COUNT(names) - !with_pixels, error);
     if (!code)
         code = read_host(map, "host", out->host, error);
     if (!code)
@@ -147,7 +148,7 @@ static gw_code read_group(const gw_yaml_node *group, gw_site_source *source, con
             memcpy(site->panels[t].host, host, sizeof host);
             if (panel && !code) {
                 source->panels[t] = panel;
-                code = read_panel(panel, "panel", &site->panels[t], error);
+                code = read_panel(panel, "panel", 0, &site->panels[t], error);
             }
         }
         if (!code && !matches)
@@ -188,7 +189,7 @@ static gw_code read_single(gw_site_source *source, gw_site *site, gw_error *erro
         if (!panel)
             continue;
         source->panels[t] = panel;
-        code = read_panel(panel, "panel", &site->panels[t], error);
+        code = read_panel(panel, "panel", 0, &site->panels[t], error);
     }
     for (size_t i = 0; map && !code && i < gw_yaml_count(map); i++) {
         const gw_yaml_node *panel = gw_yaml_value(map, i);
@@ -198,7 +199,7 @@ static gw_code read_single(gw_site_source *source, gw_site *site, gw_error *erro
         if (t == site->layout.tile_count)
             return unknown_tile(panel, gw_yaml_key(map, i), &site->layout, error);
         source->panels[t] = panel;
-        code = read_panel(panel, "panels", &site->panels[t], error);
+        code = read_panel(panel, "panels", 1, &site->panels[t], error);
     }
     return code;
 }
@@ -206,7 +207,7 @@ static gw_code read_single(gw_site_source *source, gw_site *site, gw_error *erro
 gw_code gw_site_read_panels(gw_site_source *source, gw_site *site, gw_error *error) {
     const gw_yaml_node *panel = gw_yaml_find(source->root, "panel");
     gw_panel common = site->panels[0];
-    gw_code code = panel ? read_panel(panel, "panel", &common, error) : GW_OK;
+    gw_code code = panel ? read_panel(panel, "panel", 1, &common, error) : GW_OK;
     for (uint32_t t = 0; t < site->layout.tile_count && !code; t++) {
         site->panels[t] = common;
         source->panels[t] = panel ? panel : source->tiles[t];

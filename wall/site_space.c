@@ -195,7 +195,11 @@ gw_code gw_site_check_space(gw_site_source *source, const gw_site *site, gw_erro
     gw_code code = GW_OK;
     for (uint32_t t = 0; t < layout->tile_count && !code; t++) {
         box_of(&layout->tiles[t], &boxes[t]);
-        if (t == 0 || source->tiles[t] != source->tiles[t - 1]) /* tiles of one generator are alike */
+        const gw_rectangle *size = &layout->tiles[t].rectangle,
+                           *last = &layout->tiles[t ? t - 1 : 0].rectangle;
+        /* Tiles of one generator are alike, but for those with pixels of their own. */
+        if (t == 0 || source->tiles[t] != source->tiles[t - 1] || size->width != last->width ||
+            size->height != last->height)
             code = check_pitch(source, &layout->tiles[t], source->tiles[t], error);
     }
     for (uint32_t b = 0; b < layout->tile_count && !code; b++)

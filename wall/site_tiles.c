@@ -110,7 +110,7 @@ static gw_code read_tile(gw_site_source *source, const gw_yaml_node *map, gw_til
     if (!code)
         code = gw_site_name(map, tile->name, error);
     if (!code)
-        code = gw_site_pixels(map, "pixels", 1, pixels, error);
+        code = gw_site_pixels_of(source, map, tile->name, pixels, error);
     tile->rectangle = (gw_rectangle){.width = pixels[0], .height = pixels[1]};
     if (!code)
         code = read_part(map, tile, whole, error);

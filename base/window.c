@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAXIMUM_EVENTS = 256 };
+enum { MAXIMUM_EVENTS = 256, LEAST_WIDTH = 640, LEAST_HEIGHT = 400 /* px */ };
 
 /* A window manager may still move and shape a new window; it is given this long. */
 static const int64_t settling_ns = 2000000000;
@@ -174,8 +174,28 @@ static gw_code check_mode(const gw_window_options *options, const gw_monitor *mo
                    monitor->size[1], monitor->name, options->size[0], options->size[1]);
 }
 
+/* The size to open with: a resizable window must not be larger than the desktop, nor too small to be read. */
+static void fit(const gw_window_options *options, int size[2]) {
+    const double share = 0.9;
+    double scale = 1;
+    int at[2], room[2] = {0, 0};
+    GLFWmonitor *primary = options->resizable ? glfwGetPrimaryMonitor() : NULL;
+    if (primary)
+        glfwGetMonitorWorkarea(primary, &at[0], &at[1], &room[0], &room[1]);
+    for (int i = 0; i < 2; i++)
+        if (room[i] > 0 && scale * options->size[i] > share * room[i])
+            scale = share * room[i] / options->size[i];
+    for (int i = 0; i < 2; i++) {
+        const int least = !options->resizable ? 1 : i ? LEAST_HEIGHT : LEAST_WIDTH;
+        size[i] = (int)(scale * options->size[i]);
+        size[i] = size[i] < least ? least : size[i];
+    }
+}
+
 static gw_code make(gw_window *window, const gw_window_options *options, const gw_monitor *monitor,
                     gw_error *error) {
+    int size[2];
+    fit(options, size);
     /* EGL first, as without a window: one driver for both. GLX serves where the display's EGL does not. */
     static const int context_apis[] = {GLFW_EGL_CONTEXT_API, GLFW_NATIVE_CONTEXT_API};
     char tried[2][256];
@@ -183,8 +203,8 @@ static gw_code make(gw_window *window, const gw_window_options *options, const g
         hint(options, context_apis[i]);
         if (monitor)
             glfwWindowHint(GLFW_REFRESH_RATE, monitor->refresh);
-        window->handle = glfwCreateWindow((int)options->size[0], (int)options->size[1], options->title,
-                                          monitor ? monitor->handle : NULL, NULL);
+        window->handle =
+            glfwCreateWindow(size[0], size[1], options->title, monitor ? monitor->handle : NULL, NULL);
         if (!window->handle)
             snprintf(tried[i], sizeof tried[i], "%s", reason());
     }
@@ -286,8 +306,8 @@ void gw_window_size(const gw_window *window, uint32_t size[2]) {
     size[1] = got[1] > 0 ? (uint32_t)got[1] : 0;
 }
 
-void gw_window_make_current(gw_window *window) {
-    glfwMakeContextCurrent(window->handle);
+void gw_window_resize(gw_window *window, const uint32_t size[2]) {
+    glfwSetWindowSize(window->handle, (int)size[0], (int)size[1]);
 }
 
 void gw_window_swap(gw_window *window) {

@@ -21,7 +21,7 @@ typedef struct gw_window_options {
     int32_t position[2]; /* px, top left corner on the desktop, if placed */
     uint32_t size[2];    /* px; full-screen: what the monitor must show already */
     int placed;          /* 1: it must stand at `position` with `size`, or creation fails; without borders */
-    int resizable;       /* 1: the user may change its size; with borders */
+    int resizable;       /* 1: the user may change its size; with borders; made smaller to fit the desktop */
     int wait;            /* 1: a swap waits for the screen. For one window of a thread only */
     const gw_log *log;   /* must outlive the window */
 } gw_window_options;
@@ -33,7 +33,7 @@ typedef struct gw_window_options {
 gw_code gw_window_create(const gw_window_options *options, gw_window **out, gw_error *error);
 void gw_window_destroy(gw_window **window); /* accepts NULL and a NULL window */
 
-/* GW_MACHINE, with the reason, when no window can be opened here. Opens nothing. */
+/* GW_MACHINE, with the reason, when no window can be opened on the display. */
 gw_code gw_window_possible(gw_error *error);
 
 /* Keys: printable ones are their upper-case ASCII. */
@@ -76,8 +76,8 @@ typedef struct gw_event {
 const gw_event *gw_window_poll(gw_window *window, size_t *count);
 /* Of its picture, px; 0 x 0 while it is iconified by hand. */
 void gw_window_size(const gw_window *window, uint32_t size[2]);
-/* Makes its context the current one of this thread. */
-void gw_window_make_current(gw_window *window);
+/* Asks for another size; the desktop decides. */
+void gw_window_resize(gw_window *window, const uint32_t size[2]);
 /* Shows what was drawn into its back buffer. */
 void gw_window_swap(gw_window *window);
 

@@ -102,6 +102,13 @@ gw_code gw_place_frame(const gw_scene *scene, const gw_frame_state *state, doubl
         view.up[1] = 0;
         view.up[2] = -1;
     }
-    return navigated ? gw_place_viewpoint(scene, &view, neutral_eye, out, error)
-                     : gw_place_scene(scene, wall_width, wall_height, wall_centre, neutral_eye, out, error);
+    if (!navigated)
+        return gw_place_scene(scene, wall_width, wall_height, wall_centre, neutral_eye, out, error);
+    gw_code code = gw_place_viewpoint(scene, &view, neutral_eye, out, error);
+    if (!code && state->scene_scale > 0.0f) {
+        out->scale = (double)state->scene_scale;
+        for (int k = 0; k < 3; ++k)
+            out->translation[k] = neutral_eye[k] - out->scale * gw_dot(out->rotation[k], view.eye);
+    }
+    return code;
 }

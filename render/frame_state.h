@@ -45,7 +45,7 @@ typedef struct gw_frame_state {
      * for, so nothing is kept for one. */
     uint32_t epoch;
     uint16_t accumulate;
-    uint16_t reserved[3]; /* 0 */
+    uint16_t reserved; /* 0 */
     /* How far tau, gaze_margin, acuity_slope and sample_block are strained to be faster: 1, as they stand, to
      * GW_MAXIMUM_STRAIN. See gw_frame_state_in_force(). */
     float strain;
@@ -54,10 +54,12 @@ typedef struct gw_frame_state {
     float stand[3], look_at[3];
     /* Stereo: from `eye` to the right eye, mm; the left one lies as far on the other side. 0: one eye. */
     float eye_offset[3];
+    /* Navigation: wall mm per scene metre. 0: as the scene is placed by a viewpoint, or true to scale. */
+    float scene_scale;
 } gw_frame_state;
 #pragma GCC diagnostic pop
 _Static_assert(offsetof(gw_frame_state, seed) == offsetof(gw_frame_state, samples) + sizeof(uint8_t) &&
-                   offsetof(gw_frame_state, eye_offset) + 3 * sizeof(float) == sizeof(gw_frame_state),
+                   offsetof(gw_frame_state, scene_scale) + sizeof(float) == sizeof(gw_frame_state),
                "no holes for compilers that know no -Wpadded either: after the bytes, and at the end");
 _Static_assert(sizeof(gw_frame_state) < 512, "the frame state travels in one small message");
 

@@ -31,6 +31,8 @@ gw_code gw_conductor_init(gw_conductor *conductor, struct gw_rank *rank, int arg
     if (!code && options->out)
         code = gw_conductor_open_rows(conductor, options->out, error);
     if (!code)
+        code = gw_pilot_open(rank, &conductor->pilot, error);
+    if (!code)
         code = gw_gate_create(&rank->site.layout, &conductor->gate, error);
     gw_report_settings(conductor->report, &options->draw.settings);
     return code;
@@ -103,15 +105,24 @@ static gw_code add_up(gw_conductor *conductor, const struct gw_rank *rank, const
     return GW_OK;
 }
 
+/* Known before the frame is released, so that the last one can be treated as such. */
+static int is_last(const gw_conductor *conductor, const struct gw_rank *rank, uint32_t frame) {
+    return frame + 1 == conductor->frame_count || gw_pilot_wants_end(conductor->pilot) ||
+           (rank->options.save_states && frame + 1 == GW_MAXIMUM_STATES);
+}
+
 static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_t frame, int64_t start,
-                          gw_error *error) {
-    gw_release release = {.kind = GW_RELEASE_FRAME, .last = frame + 1 == conductor->frame_count};
-    release.pixels = release.last || rank->options.out;
+                          int *last, gw_error *error) {
+    gw_pilot_poll(conductor->pilot, frame);
+    *last = is_last(conductor, rank, frame);
+    gw_release release = {.kind = GW_RELEASE_FRAME, .last = (uint32_t)*last};
+    release.pixels = release.last || rank->options.out || gw_pilot_wants_pixels(conductor->pilot);
     release.predict = release.last || rank->options.out || gw_budget_is_on(&conductor->budget);
-    gw_conductor_make_state(conductor, rank, frame, &release.state);
+    gw_code code = gw_conductor_make_state(conductor, rank, frame, &release.state, error);
     conductor->states[gw_kept(conductor, frame)] = release.state;
     int64_t begin = gw_now_ns();
-    gw_code code = gw_gate_release(conductor->gate, &release, error);
+    if (!code)
+        code = gw_gate_release(conductor->gate, &release, error);
     if (code)
         return code;
     gw_done own;
@@ -144,7 +155,11 @@ static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_
         code = gw_conductor_write_pictures(conductor, rank, &release, pixels, error);
     else if (release.last)
         code = gw_conductor_hash_picture(conductor, rank, pixels, error);
-    return code;
+    const gw_pilot_facts facts = {.state = &release.state,
+                                  .pixels = pixels,
+                                  .milliseconds = (double)(end - begin) * 1e-6,
+                                  .rays = sum.rays};
+    return code ? code : gw_pilot_show(conductor->pilot, &facts, error);
 }
 
 /* --- after the last frame
@@ -154,15 +169,18 @@ gw_code gw_conductor_run(gw_conductor *conductor, struct gw_rank *rank, gw_error
     gw_code code = GW_OK;
     int64_t start = gw_now_ns();
     uint32_t frame = 0;
+    int last = 0;
+    conductor->started = conductor->started ? start : 0;
     /* An interruption ends the run after this frame, with what there is: states, rows, report. */
-    for (; frame < conductor->frame_count && !code && !(frame && gw_link_stop(&rank->line)); frame++) {
+    for (; !last && !code && !(frame && gw_link_stop(&rank->line)); frame++) {
         char text[160];
         gw_conductor_status(conductor, rank, frame, text);
         gw_log_progress(&rank->line.log, text,
                         conductor->frame_count == GW_ENDLESS ? -1 : (double)frame / conductor->frame_count);
-        code = draw_frame(conductor, rank, frame, start, error);
+        code = draw_frame(conductor, rank, frame, start, &last, error);
     }
     promise(rank, patience_of(conductor, rank, 0), 0);
+    gw_pilot_close(&conductor->pilot);
     gw_gate_quit(conductor->gate);
     conductor->frame_count = frame;
     return code ? code : gw_conductor_finish(conductor, rank, error);

@@ -8,6 +8,7 @@
 #include "wall/budget.h"
 #include "wall/frames.h"
 #include "wall/gate.h"
+#include "wall/pilot.h"
 
 #include <jansson.h>
 #include <stdint.h>
@@ -40,7 +41,8 @@ typedef struct gw_conductor {
     gw_predicted_error seen;        /* of the last such frame */
     char *scene_line, *octree_line; /* for the summary */
     gw_gate *gate;
-    FILE *rows; /* frames.csv, or NULL */
+    gw_pilot *pilot; /* NULL when nobody steers */
+    FILE *rows;      /* frames.csv, or NULL */
 } gw_conductor;
 
 /* Reads track or states and opens what will be written, so that mistakes show before the long work. */

@@ -18,8 +18,8 @@ void gw_conductor_status(const gw_conductor *conductor, const struct gw_rank *ra
 gw_code gw_conductor_choose_source(gw_conductor *conductor, const struct gw_rank *rank, gw_error *error);
 /* Copies --path out of the scene, while rank 0 still has it. */
 gw_code gw_conductor_take_path(gw_conductor *conductor, const struct gw_rank *rank, gw_error *error);
-void gw_conductor_make_state(gw_conductor *conductor, const struct gw_rank *rank, uint32_t frame,
-                             gw_frame_state *state);
+gw_code gw_conductor_make_state(gw_conductor *conductor, const struct gw_rank *rank, uint32_t frame,
+                                gw_frame_state *state, gw_error *error);
 
 /* The report, with the command as the user gave it. */
 gw_code gw_conductor_create_report(gw_conductor *conductor, const struct gw_rank *rank, int argc, char **argv,

@@ -22,18 +22,20 @@ static gw_code read_track(gw_conductor *conductor, const struct gw_rank *rank, g
     gw_report_track(conductor->report, conductor->track);
     int64_t left = conductor->track->duration - conductor->first_time;
     /* Without the far end: on a track that comes back to its start, the last frame would repeat the first. */
-    if (options->step < 0)
+    if (options->step < 0 && !gw_sim_runs_free(options))
         conductor->step = left > 0 ? left / conductor->frame_count : 0;
     return GW_OK;
 }
 
 static gw_code choose_source(gw_conductor *conductor, const struct gw_rank *rank, gw_error *error) {
     const gw_sim_options *options = &rank->options;
-    conductor->frame_count = options->frames ? options->frames : options->cluster ? GW_ENDLESS : 1;
+    conductor->frame_count = options->frames ? options->frames : gw_sim_runs_free(options) ? GW_ENDLESS : 1;
     gw_budget_init(&conductor->budget, options->budget_ms, options->budget_rays,
                    options->draw.settings.strain);
     conductor->first_time = (int64_t)(options->draw.time * 1e9);
-    conductor->step = options->step > 0 ? (int64_t)(options->step * 1e9) : 0;
+    conductor->step = options->step > 0                     ? (int64_t)(options->step * 1e9)
+                      : options->step < 0 && options->input ? GW_INPUT_STEP
+                                                            : 0;
     if (options->states) {
         gw_code code = gw_states_load(options->states, &conductor->recorded, error);
         if (code)
@@ -54,15 +56,19 @@ gw_code gw_conductor_choose_source(gw_conductor *conductor, const struct gw_rank
     const uint32_t kept_when_endless = 1u << 16;
     gw_code code = choose_source(conductor, rank, error);
     const int endless = conductor->frame_count == GW_ENDLESS;
-    conductor->kept = endless ? kept_when_endless : conductor->frame_count;
-    if (endless && rank->options.step < 0)
+    const gw_sim_options *options = &rank->options;
+    conductor->kept = !endless               ? conductor->frame_count
+                      : options->save_states ? GW_MAXIMUM_STATES
+                                             : kept_when_endless;
+    if (gw_sim_runs_free(options) && options->step < 0 && !options->input && !options->states)
         conductor->started = gw_now_ns();
     return code;
 }
 
-/* Frames without an end follow the clock, unless they have a step; a track begins anew when it is over. */
+/* Frames without an end, and those that somebody steers, follow the clock, unless they have a step; a track
+ * begins anew when it is over. */
 static int64_t time_of(const gw_conductor *conductor, uint32_t frame) {
-    if (!conductor->started)
+    if (!conductor->started || !frame)
         return conductor->first_time + (int64_t)frame * conductor->step;
     int64_t passed = gw_now_ns() - conductor->started;
     int64_t left = conductor->track ? conductor->track->duration - conductor->first_time : 0;
@@ -108,7 +114,7 @@ gw_code gw_conductor_take_path(gw_conductor *conductor, const struct gw_rank *ra
     memcpy(conductor->path.keys, path->keys, path->key_count * sizeof *path->keys);
     conductor->path.key_count = path->key_count;
     double rest = path->keys[path->key_count - 1].time - options->draw.time;
-    if (options->step < 0)
+    if (options->step < 0 && !gw_sim_runs_free(options))
         conductor->step =
             conductor->frame_count > 1 && rest > 0 ? (int64_t)(rest * 1e9 / (conductor->frame_count - 1)) : 0;
     return check_path(conductor, options->path, error);
@@ -125,29 +131,44 @@ static void navigate(const gw_conductor *conductor, gw_frame_state *state) {
     }
 }
 
-void gw_conductor_make_state(gw_conductor *conductor, const struct gw_rank *rank, uint32_t frame,
-                             gw_frame_state *state) {
+/* Eyes and gaze: those of the track, of the command line, or of the pilot. */
+static void look(const gw_conductor *conductor, const struct gw_rank *rank, int64_t time,
+                 gw_frame_state *state) {
+    const gw_settings *settings = &rank->options.draw.settings;
+    const gw_site *site = &rank->site;
+    double pointed[3];
+    const double *target = NULL;
+    const gw_pilot_gaze gaze = gw_pilot_gaze_of(conductor->pilot, pointed);
+    const gw_track *track = gaze == GW_PILOT_GAZE_GIVEN ? conductor->track : NULL;
+    if (gaze == GW_PILOT_GAZE_POINTER)
+        target = pointed;
+    else if (gaze == GW_PILOT_GAZE_GIVEN && rank->options.gaze == GW_GAZE_AT_PIXEL)
+        target = conductor->stare;
+    if (track)
+        gw_frame_look(state, track, time, site->layout.eye, settings);
+    else
+        gw_frame_stare(state, site->layout.eye, target, settings);
+    state->time = time;
+    if (gw_site_is_stereo(site))
+        gw_frame_part_eyes(state, track, time, site->eye_distance);
+}
+
+gw_code gw_conductor_make_state(gw_conductor *conductor, const struct gw_rank *rank, uint32_t frame,
+                                gw_frame_state *state, gw_error *error) {
     const gw_draw_options *draw = &rank->options.draw;
     if (conductor->recorded.count) {
         *state = conductor->recorded.states[frame];
-        return;
+        return GW_OK;
     }
     gw_frame_begin(state, frame, &draw->settings, draw->seed, draw->debug);
-    int64_t time = time_of(conductor, frame);
-    if (conductor->track) {
-        gw_frame_look(state, conductor->track, time, rank->site.layout.eye, &draw->settings);
-    } else {
-        gw_frame_stare(state, rank->site.layout.eye,
-                       rank->options.gaze == GW_GAZE_AT_PIXEL ? conductor->stare : NULL, &draw->settings);
-        state->time = time;
-    }
-    if (gw_site_is_stereo(&rank->site))
-        gw_frame_part_eyes(state, conductor->track, time, rank->site.eye_distance);
+    look(conductor, rank, time_of(conductor, frame), state);
     navigate(conductor, state);
+    gw_code code = gw_pilot_steer(conductor->pilot, state, error);
     if (gw_budget_is_on(&conductor->budget))
         state->strain = gw_budget_strain(&conductor->budget);
     const gw_frame_state *before = frame ? &conductor->states[gw_kept(conductor, frame - 1)] : NULL;
     if (draw->settings.accumulate > 1)
         gw_frame_hold(state, before, rank->options.still[0], rank->options.still[1]);
     gw_frame_accumulate(state, before, conductor->scene_moves);
+    return code;
 }

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STATES_VERSION = 1, MAXIMUM_STATES = 1000000 };
+enum { STATES_VERSION = 1 };
 static const size_t largest_recording = (size_t)1 << 30;
 
 /* The knobs of a state by name: writer and reader share these tables. */
@@ -38,6 +38,7 @@ static const float_field float_fields[] = {
     {"shadow_tau", offsetof(gw_frame_state, shadow_tau), 0, 16},
     {"seed_distance", offsetof(gw_frame_state, seed_distance), 1, 1000000},
     {"mirror_roughness", offsetof(gw_frame_state, mirror_roughness), 0, 0.25},
+    {"scene_scale", offsetof(gw_frame_state, scene_scale), 0, 1e12},
     {"edge_depth", offsetof(gw_frame_state, edge_depth), 0.01, 1},
     {"edge_normal", offsetof(gw_frame_state, edge_normal), 1, 180},
 };
@@ -411,9 +412,9 @@ static gw_code read_line(const place *at, const char *line, size_t length, gw_st
                 at->error, GW_BAD_INPUT,
                 "%s:1: no recording of frame states: the first line must be {\"gazewall_states\": %d}",
                 at->path, STATES_VERSION);
-    } else if (out->count == MAXIMUM_STATES) {
+    } else if (out->count == GW_MAXIMUM_STATES) {
         code = gw_fail(at->error, GW_BAD_INPUT, "%s:%zu: more than %d frame states", at->path, at->line,
-                       MAXIMUM_STATES);
+                       GW_MAXIMUM_STATES);
     } else {
         code = gw_grow((void **)&out->states, capacity, out->count + 1, sizeof *out->states, "frame states",
                        at->error);

@@ -44,6 +44,8 @@ void gw_frame_hold(gw_frame_state *state, const gw_frame_state *before, double d
  * nothing is counted. */
 void gw_frame_accumulate(gw_frame_state *state, const gw_frame_state *before, int scene_moves);
 
+enum { GW_MAXIMUM_STATES = 1000000 }; /* of a recording */
+
 typedef struct gw_states {
     size_t count;
     gw_frame_state *states; /* owned */

@@ -12,7 +12,10 @@
 
 gw_code gw_model_open_device(gw_model *model, const gw_draw_options *options, const gw_log *log,
                              gw_error *error) {
-    gw_gl_options device = {.shader_folder = options->shaders, .log = log};
+    const gw_gl_options device = {.shader_folder = options->shaders,
+                                  .log = log,
+                                  .choose_gpu = options->choose_gpu,
+                                  .gpu = options->gpu};
     return gw_gl_create(&device, &model->device, error);
 }
 

@@ -1,6 +1,7 @@
 #include "wall/options.h"
 
 #include "base/file.h"
+#include "base/gl.h"
 #include "base/memory.h"
 #include "base/suggest.h"
 #include "render/features.h"
@@ -218,7 +219,8 @@ enum {
     KEY_CACHE,
     KEY_CACHE_LIMIT,
     KEY_QUIET,
-    KEY_LOG
+    KEY_LOG,
+    KEY_GPU
 };
 
 static const char *const debug_names[GW_DEBUG_VIEWS] = {"none",  "levels", "steps",        "normals",
@@ -242,6 +244,10 @@ static const struct argp_option scene_options[] = {
      10},
     {"cache-limit", KEY_CACHE_LIMIT, "MIB", 0,
      "1 to 1048576, default 4096: what the cache folder may hold; the least recently used goes first", 10},
+    {"gpu", KEY_GPU, "N", 0,
+     "draw on GPU N, from 0, and no other ('gazewall inspect --device' lists them); default: the first that "
+     "serves",
+     10},
     {NULL, 0, NULL, 0, "What is told:", 11},
     {"report", KEY_REPORT, "FILE", 0, "write the report there, as JSON", 11},
     {"quiet", KEY_QUIET, NULL, 0, "no progress and no summary, only errors", 11},
@@ -373,6 +379,11 @@ static error_t parse_draw(int key, char *argument, struct argp_state *state) {
     case KEY_FORBID:
     case KEY_FORCE:
         code = set_effect(options, key, argument);
+        break;
+    case KEY_GPU:
+        code = gw_parse_integer("--gpu", argument, 0, GW_GL_MAXIMUM_GPUS - 1, &integer, error);
+        options->choose_gpu = 1;
+        options->gpu = (int32_t)integer;
         break;
     case KEY_COUNT:
         options->count = 1;

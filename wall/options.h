@@ -27,6 +27,8 @@ typedef struct gw_draw_options {
     double time; /* s */
     gw_debug_view debug;
     uint32_t force_effects, forbid_effects; /* gw_feature bits, never both of one */
+    int choose_gpu;                         /* 1: on the EGL device `gpu` and no other */
+    int32_t gpu;
     gw_log_level level;
     int quiet;
     int count; /* count steps, node loads and triangle tests (slower, same pixels) */

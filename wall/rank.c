@@ -7,6 +7,7 @@
 #include "wall/conductor.h"
 #include "wall/interrupt.h"
 #include "wall/mpi_wait.h"
+#include "wall/rank_device.h"
 #include "wall/stereo.h"
 #include "wall/tile_picture.h"
 #include "wall/verbs.h"
@@ -101,11 +102,13 @@ static gw_code load(gw_rank *rank, gw_conductor *conductor, gw_error *error) {
                                       .cache = cache,
                                       .cache_limit = draw->cache_limit,
                                       .log = &rank->line.log};
-    gw_code code = rank->number == 0 ? gw_model_import(model, draw, &rank->line.log, error) : GW_OK;
+    gw_code code = gw_rank_has_window(rank) ? gw_rank_open_device(rank, error) : GW_OK;
+    if (!code && rank->number == 0)
+        code = gw_model_import(model, draw, &rank->line.log, error);
     if (!code)
         code = gw_share_scene(&rank->share, model->scene, &options, error);
     if (!code)
-        code = gw_model_open_device(model, draw, &rank->line.log, error);
+        code = gw_rank_open_device(rank, error);
     if (!code)
         code = build(rank, error);
     if (!code && rank->number == 0)

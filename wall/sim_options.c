@@ -134,7 +134,11 @@ enum {
     KEY_AGENT,
     KEY_DRY_RUN,
     KEY_VERB,
-    KEY_LINK
+    KEY_LINK,
+    KEY_WINDOW,
+    KEY_TILE_WINDOWS,
+    KEY_HEADLESS,
+    KEY_INPUT
 };
 
 static const struct argp_option sim_options[] = {
@@ -186,6 +190,16 @@ static const struct argp_option sim_options[] = {
     {"out", KEY_OUT, "FOLDER", 0,
      "write pictures of the wall with and without bezels and of every tile, and frames.csv; made if missing",
      3},
+    {NULL, 0, NULL, 0, "What is seen while it runs (docs/windows.md):", 5},
+    {"window", KEY_WINDOW, NULL, 0,
+     "the whole wall in one window: the gaze follows the mouse, keys and mouse fly; runs until it is closed, "
+     "or for --frames N",
+     5},
+    {"tile-windows", KEY_TILE_WINDOWS, NULL, 0,
+     "every tile in a window of its own: where the site file says, else side by side as they hang", 5},
+    {"headless", KEY_HEADLESS, NULL, 0, "no window, whatever the site file says; the default of sim", 5},
+    {"input", KEY_INPUT, "FILE", 0,
+     "steer by recorded keys and pointer moves (docs/windows.md), with or without a window", 5},
     {NULL, 0, NULL, 0, "Patience:", 12},
     {"load-deadline", KEY_LOAD_DEADLINE, "SECONDS", 0,
      "1 to 86400 s, default 600: all ranks must be ready by then", 12},
@@ -304,6 +318,20 @@ static gw_code parse_frames(int key, const char *argument, gw_sim_options *optio
     }
 }
 
+/* Of --window, --tile-windows and --headless one at most. */
+static gw_code choose_windows(int key, gw_sim_options *options, gw_error *error) {
+    const gw_windows asked = key == KEY_WINDOW         ? GW_WINDOWS_WALL
+                             : key == KEY_TILE_WINDOWS ? GW_WINDOWS_TILES
+                                                       : GW_WINDOWS_NONE;
+    const int said = options->headless || options->windows != GW_WINDOWS_NONE;
+    if (said && (asked != options->windows || options->headless != (key == KEY_HEADLESS)))
+        return gw_fail(error, GW_BAD_INPUT,
+                       "--window, --tile-windows and --headless exclude each other; leave all but one out");
+    options->windows = asked;
+    options->headless = key == KEY_HEADLESS;
+    return GW_OK;
+}
+
 static error_t parse_sim(int key, char *argument, struct argp_state *state) {
     gw_sim_options *options = state->input;
     gw_error *error = options->draw.error;
@@ -340,6 +368,14 @@ static error_t parse_sim(int key, char *argument, struct argp_state *state) {
         break;
     case KEY_NO_GAZE:
         code = gw_choose_gaze(&options->gaze, GW_GAZE_NONE, error);
+        break;
+    case KEY_WINDOW:
+    case KEY_TILE_WINDOWS:
+    case KEY_HEADLESS:
+        code = choose_windows(key, options, error);
+        break;
+    case KEY_INPUT:
+        options->input = argument;
         break;
     case KEY_TRACK:
         options->track = argument;
@@ -388,6 +424,7 @@ static const struct argp sim_argp = {
            "frames in lock-step and assembles the pictures.\v"
            "Examples:\n"
            "  gazewall sim --out pictures\n"
+           "  gazewall sim --window\n"
            "  gazewall sim --scene dragon.glb --tiles 3x1 --size 1536x512 --frames 8 --out pictures\n"
            "  gazewall sim --site configs/sites/3x2-bezels.yaml --gaze 480,180 --out pictures\n"};
 
@@ -421,6 +458,14 @@ static gw_code check_wall(gw_sim_options *options, gw_error *error) {
     return GW_OK;
 }
 
+int gw_sim_is_steered(const gw_sim_options *options) {
+    return options->windows == GW_WINDOWS_WALL || options->input;
+}
+
+int gw_sim_runs_free(const gw_sim_options *options) {
+    return gw_sim_is_steered(options) || (options->cluster && !options->frames && !options->states);
+}
+
 gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *helped, gw_error *error) {
     memset(out, 0, sizeof *out);
     gw_draw_options_init(&out->draw, error);
@@ -434,6 +479,8 @@ gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *he
         return code;
     if ((code = check_wall(out, error)))
         return code;
+    if (out->cluster && !out->headless && out->windows == GW_WINDOWS_NONE)
+        out->windows = GW_WINDOWS_SITE;
     if (out->track && (out->gaze != GW_GAZE_FROM_TRACK || out->states))
         return gw_fail(error, GW_BAD_INPUT, "--track goes with neither --gaze, --no-gaze nor --states");
     if (out->budget_ms > 0 && out->budget_rays > 0)
@@ -454,6 +501,11 @@ gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *he
         return gw_fail(error, GW_BAD_INPUT, "--states holds where both eyes are; leave out --eye-distance");
     if (out->states && out->path)
         return gw_fail(error, GW_BAD_INPUT, "--states holds where every frame stands; leave out --path");
+    if (out->states && out->input)
+        return gw_fail(error, GW_BAD_INPUT, "--states holds where every frame stands; leave out --input");
+    if (out->draw.choose_gpu && out->windows == GW_WINDOWS_TILES)
+        return gw_fail(error, GW_BAD_INPUT,
+                       "tiles with windows are drawn by the GPU of their display; leave out --gpu");
     if (out->states && out->gaze != GW_GAZE_FROM_TRACK)
         return gw_fail(error, GW_BAD_INPUT,
                        "--states holds the gaze of every frame; leave out --gaze and --no-gaze");

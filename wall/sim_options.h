@@ -37,6 +37,14 @@ typedef enum gw_gaze_choice { GW_GAZE_FROM_TRACK, GW_GAZE_AT_PIXEL, GW_GAZE_NONE
 /* Takes what --gaze or --no-gaze wants, unless the other one was given. */
 gw_code gw_choose_gaze(gw_gaze_choice *choice, gw_gaze_choice wanted, gw_error *error);
 
+/* What can be seen of a run while it goes on. */
+typedef enum gw_windows {
+    GW_WINDOWS_NONE,
+    GW_WINDOWS_WALL,  /* the whole wall in one window of rank 0: live, steered by mouse and keys */
+    GW_WINDOWS_TILES, /* every tile in its own */
+    GW_WINDOWS_SITE   /* those tiles for which the site file names a display */
+} gw_windows;
+
 typedef struct gw_sim_options {
     gw_draw_options draw; /* first: its parser is a child of this one's */
     gw_wall_options wall;
@@ -45,8 +53,11 @@ typedef struct gw_sim_options {
     const char *states;      /* recorded frame states to repeat, or NULL */
     const char *save_states; /* or NULL */
     const char *out;         /* folder for pictures and frames.csv, or NULL */
-    uint32_t frames;         /* 0: as many as states has, else 1 */
-    double step;             /* s between frames; negative: spread over the track */
+    const char *input;       /* file of keys and pointer moves that steer the run, or NULL */
+    gw_windows windows;
+    int headless;    /* asked for: no window whatever the site says */
+    uint32_t frames; /* 0: as many as states has, without end where somebody steers, else 1 */
+    double step;     /* s between frames; negative: spread over the track */
     gw_gaze_choice gaze;
     double gaze_pixel[2];
     double budget_ms, budget_rays; /* of a frame; 0: none */
@@ -61,6 +72,12 @@ typedef struct gw_sim_options {
     const char *agent; /* wall: what starts programs on other hosts in place of ssh, or NULL */
     const char *link;  /* hidden: the launcher's address, for ranks */
 } gw_sim_options;
+
+/* 1 when somebody steers the run while it goes on: by a window, or by --input. */
+int gw_sim_is_steered(const gw_sim_options *options);
+
+/* 1 when time passes as it does from frame to frame, and, without --frames, until somebody ends it. */
+int gw_sim_runs_free(const gw_sim_options *options);
 
 /* argv[0] is "sim", "wall" or "rank". */
 gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *helped, gw_error *error);

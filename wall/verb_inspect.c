@@ -111,6 +111,18 @@ static void print_floats(const gw_float_environment *f) {
            f->infinity_kept ? "kept" : "lost", f->nan_kept ? "seen" : "not seen");
 }
 
+static void tell_gpus(json_t *report, int quiet) {
+    gw_gl_gpu gpus[GW_GL_MAXIMUM_GPUS];
+    const size_t count = gw_gl_list_gpus(gpus);
+    json_t *list = json_array();
+    for (size_t i = 0; i < count; i++) {
+        if (!quiet)
+            printf("%-18s %zu: %s\n", i ? "" : "GPUs (--gpu N)", i, gpus[i].name);
+        json_array_append_new(list, json_string(gpus[i].name));
+    }
+    json_object_set_new(json_object_get(report, "device"), "gpus", list);
+}
+
 static gw_code inspect_device(gw_model *model, const inspect_options *o, const gw_log *log, json_t *report,
                               gw_error *error) {
     gw_float_environment floats = {0};
@@ -124,6 +136,7 @@ static gw_code inspect_device(gw_model *model, const inspect_options *o, const g
         print_floats(&floats);
     }
     gw_report_device(report, gw_gl_limits_of(model->device));
+    tell_gpus(report, o->draw.quiet);
     return gw_report_floats(report, model->device, error);
 }
 

@@ -2,6 +2,7 @@
 #include "wall/verbs.h"
 
 #include "base/file.h"
+#include "base/window.h"
 #include "wall/console.h"
 #include "wall/launcher.h"
 #include "wall/sim_options.h"
@@ -19,6 +20,15 @@ static gw_code check_places(const gw_sim_options *options, gw_error *error) {
     if (!code)
         code = gw_file_writable(options->draw.report, error);
     return code ? code : gw_file_writable(options->save_states, error);
+}
+
+/* A display that is not there is told before anything is started. Tiles on displays of their own tell it
+ * themselves. */
+static gw_code check_windows(const gw_sim_options *options, const gw_site *site, gw_error *error) {
+    int wanted = options->windows == GW_WINDOWS_WALL;
+    for (uint32_t i = 0; i < site->layout.tile_count && options->windows == GW_WINDOWS_TILES; i++)
+        wanted |= !site->panels[i].display[0];
+    return wanted ? gw_window_possible(error) : GW_OK;
 }
 
 static gw_code run(gw_sim_options *options, int argc, char **argv, gw_error *error) {
@@ -51,6 +61,8 @@ static gw_code run(gw_sim_options *options, int argc, char **argv, gw_error *err
     else
         gw_log_write(&console.log, GW_LOG_INFO,
                      "files are read and written on %s, which draws the first tile", first->name);
+    if (!code && first->here)
+        code = check_windows(options, &site, error);
     return code ? code : gw_launch(&plan, error);
 }
 

@@ -73,5 +73,10 @@ expect "the device and an octree" 2 "leave out --set octree_depth" inspect --dev
 expect "the device and its check" 2 "leave out the scene" inspect --device --validate
 expect "a folder that cannot be" 5 "$folder/sheet.obj" inspect "$folder/sheet.obj" --out "$folder/sheet.obj/there"
 expect "the device" 0 "division" inspect --device --report "$folder/device.json"
+expect "a GPU that is not there" 3 "GPU 15" inspect --device --gpu 15
+expect "a GPU that cannot be" 2 "0 to 15" inspect --device --gpu 16
+if [ "$(json "$folder/device.json" '["device"]["gpus"].__len__() > 0')" = True ]; then
+    expect "the last GPU of the list, by number" 0 "GPUs (--gpu N)" inspect --device --gpu "$(json "$folder/device.json" '["device"]["gpus"].__len__() - 1')"
+fi
 is "its floats are in the report" "$(json "$folder/device.json" '["float_environment"]["precise_holds"]')" True
 finish

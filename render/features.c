@@ -132,6 +132,8 @@ static void append(define_text *out, const char *format, ...) {
 gw_code gw_kernel_defines(const gw_kernel_key *key, char *text, size_t size, gw_error *error) {
     define_text out = {text, size, 0};
     append(&out, "#define OCTREE_DEPTH %u\n", key->depth);
+    if (key->root_grid)
+        append(&out, "#define ROOT_GRID_LEVEL %u\n", key->root_grid);
     append(&out, "#define LOOP_BUDGET %uu\n", key->loop_budget);
     append(&out, "#define FRAGMENTS %uu\n", gw_kernel_fragments(key));
     append(&out, "#define TEXTURE_CLASSES %u\n", key->texture_classes);

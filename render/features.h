@@ -60,6 +60,7 @@ typedef struct gw_kernel_key {
     uint32_t features;
     uint32_t depth;           /* of the octree */
     uint32_t texture_classes; /* 0..GW_MAXIMUM_TEXTURE_CLASSES */
+    uint32_t root_grid;       /* level of the grid at which a walk without voxels starts, 0: at the root */
     uint32_t loop_budget;
     uint32_t debug; /* gw_debug_view */
     int voxels_only, level_blend, leaf_blend, double_edges, count, resume, any_hit;

@@ -30,6 +30,7 @@ static gw_code trace_octree(gw_renderer *renderer, trace_job *job, size_t count,
     gw_kernel_key key = ray_key(renderer);
     key.count = key.count || variant->count;
     key.any_hit = job->method == GW_TRACE_ANY;
+    key.root_grid = variant->kernel ? 0 : renderer->buffers.root_grid_level;
     const char *name = variant->kernel ? variant->kernel : "trace/rays.comp";
     uint32_t length = (uint32_t)count;
     gw_code code = GW_OK;

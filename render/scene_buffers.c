@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "build/gpu_types.h"
+#include "render/root_grid.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -147,9 +148,33 @@ static gw_code upload_lights(gw_gl *device, const gw_scene *scene, gw_scene_buff
     return code;
 }
 
+/* With the root grid behind them, if the device's buffer textures hold both. */
+static gw_code upload_nodes(gw_gl *device, const gw_octree *octree, gw_scene_buffers *out, gw_error *error) {
+    uint32_t level = gw_root_grid_level(octree);
+    size_t begin = gw_root_grid_begin(octree), size = gw_root_grid_size(level);
+    if (begin + size > (size_t)gw_gl_limits_of(device)->texture_buffer_texels)
+        level = 0;
+    out->root_grid_level = level;
+    if (level == 0)
+        return gw_gl_buffer_create(device, "octree nodes", octree->node_count * sizeof(gw_node),
+                                   octree->nodes, GL_RG32UI, &out->nodes, error);
+    void *grid = NULL;
+    gw_code code = gw_allocate(&grid, size, sizeof(gw_node), "the root grid", error);
+    if (code)
+        return code;
+    gw_root_grid_fill(octree, level, grid);
+    code = gw_gl_buffer_create(device, "octree nodes", (begin + size) * sizeof(gw_node), NULL, GL_RG32UI,
+                               &out->nodes, error);
+    if (!code)
+        code = gw_gl_buffer_write(&out->nodes, 0, octree->node_count * sizeof(gw_node), octree->nodes, error);
+    if (!code)
+        code = gw_gl_buffer_write(&out->nodes, begin * sizeof(gw_node), size * sizeof(gw_node), grid, error);
+    free(grid);
+    return code;
+}
+
 static gw_code upload_octree(gw_gl *device, const gw_octree *octree, gw_scene_buffers *out, gw_error *error) {
-    gw_code code = gw_gl_buffer_create(device, "octree nodes", octree->node_count * sizeof(gw_node),
-                                       octree->nodes, GL_RG32UI, &out->nodes, error);
+    gw_code code = upload_nodes(device, octree, out, error);
     if (!code)
         code = gw_gl_buffer_create(device, "octree references", octree->reference_count * sizeof(uint32_t),
                                    octree->references, GL_R32UI, &out->references, error);

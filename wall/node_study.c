@@ -23,8 +23,17 @@ typedef struct study_row {
 } study_row;
 
 static const study_row rows[GW_STUDY_ENTRIES] = {
-    {.name = "shipped", .what = "8 bytes a node, siblings packed; buffer textures, stack in registers"},
-    {.name = "refetch", .what = "the stack holds the node's index, fetched again", .defines = "WIDE_NODES"},
+    {.name = "shipped",
+     .what =
+         "8 bytes a node, siblings packed, a grid of up to 64^3 cells behind them; buffer textures, stack "
+         "in registers, steps without branches"},
+    {.name = "no-grid", .what = "from the root, without the grid", .defines = "NO_ROOT_GRID"},
+    {.name = "branching",
+     .what = "from the root, a step branches into down and on",
+     .kernel = "bench/branching.comp"},
+    {.name = "refetch",
+     .what = "from the root, the stack holds the node's index, fetched again",
+     .defines = "WIDE_NODES"},
     {.name = "storage", .what = "storage blocks", .defines = "STORAGE_FETCH", .storage = 1},
     {.name = "local-stack", .what = "stack in an array of the ray", .defines = "STACK_LOCAL"},
     {.name = "shared-stack", .what = "stack in memory of the work group", .defines = "STACK_SHARED"},
@@ -50,12 +59,12 @@ static const study_row rows[GW_STUDY_ENTRIES] = {
      .form = FORM_WIDE,
      .kernel = "bench/wide.comp"},
     {.name = "grid-32",
-     .what = "a dense grid of 32^3 cells above the shipped nodes",
+     .what = "a grid of 32^3 cells in an array of its own, steps that branch",
      .form = FORM_GRID,
      .grid_level = 5,
      .kernel = "bench/root_grid.comp"},
     {.name = "grid-64",
-     .what = "a dense grid of 64^3 cells above the shipped nodes",
+     .what = "a grid of 64^3 cells in an array of its own, steps that branch",
      .form = FORM_GRID,
      .grid_level = 6,
      .kernel = "bench/root_grid.comp"},
@@ -121,7 +130,7 @@ static void fill_variant(const study_row *row, const gw_scene *scene, gw_study_e
     entry->what = row->what;
     entry->loses = row->loses;
     snprintf(entry->defines, sizeof entry->defines,
-             "%s%s%s#define TRIANGLE_COUNT %uu\n#define ROOT_GRID_LEVEL %u\n", row->defines ? "#define " : "",
+             "%s%s%s#define TRIANGLE_COUNT %uu\n#define OWN_GRID_LEVEL %u\n", row->defines ? "#define " : "",
              row->defines ? row->defines : "", row->defines ? " 1\n" : "", scene->triangle_count,
              row->grid_level);
     entry->variant = (gw_trace_variant){.kernel = row->kernel,

@@ -12,7 +12,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { GW_STUDY_ENTRIES = 14, GW_STUDY_PARTS = 3 };
+enum { GW_STUDY_ENTRIES = 16, GW_STUDY_PARTS = 3 };
 
 typedef struct gw_study_entry {
     const char *name; /* one word, a key in files */

@@ -1,9 +1,9 @@
 // A dense grid of cells of one level above the shipped nodes: the walk starts and returns there instead of at the root.
 //
-// variants: OCTREE_DEPTH=11 ROOT_GRID_LEVEL=5; OCTREE_DEPTH=6 ROOT_GRID_LEVEL=5 RESUME=1 COUNT=1
+// variants: OCTREE_DEPTH=11 OWN_GRID_LEVEL=5; OCTREE_DEPTH=6 OWN_GRID_LEVEL=5 RESUME=1 COUNT=1
 #define GW_NODE_FORM_DEFINED
-#define ROOT_GRID_SCALE (OCTREE_DEPTH - ROOT_GRID_LEVEL)
-#define STACK_LEVELS ROOT_GRID_SCALE
+#define OWN_GRID_SCALE (OCTREE_DEPTH - OWN_GRID_LEVEL)
+#define STACK_LEVELS OWN_GRID_SCALE
 #include "trace/rays.glsl"
 #include "trace/walk.glsl"
 #include "trace/traverse_exact.glsl"
@@ -16,7 +16,7 @@ void restart() {
 }
 
 void return_to(int s) {
-    bool above = s > ROOT_GRID_SCALE;
+    bool above = s > OWN_GRID_SCALE;
     scale = above ? SCALE_ABOVE_ROOT : s;
     node_word = above ? 0u : stack_pop(s);
 }
@@ -28,8 +28,8 @@ bool take_step(out uvec2 leaf) {
     uvec2 node = uvec2(0u);
     if (scale == SCALE_ABOVE_ROOT) {
         ivec3 sides = ivec3(uvec3(mirror, mirror >> 1, mirror >> 2) & 1u);
-        ivec3 at = (cell ^ (-sides & (GRID_SIDE - 1))) >> ROOT_GRID_SCALE;
-        node = texelFetch(root_grid, (((at.z << ROOT_GRID_LEVEL) | at.y) << ROOT_GRID_LEVEL) | at.x).xy;
+        ivec3 at = (cell ^ (-sides & (GRID_SIDE - 1))) >> OWN_GRID_SCALE;
+        node = texelFetch(root_grid, (((at.z << OWN_GRID_LEVEL) | at.y) << OWN_GRID_LEVEL) | at.x).xy;
         COUNT_NODE(true);
         child_scale = int(node.y & 0xffu);
         valid = (node.y & GW_GRID_PRESENT) != 0u;

@@ -28,6 +28,11 @@
 #define GW_LEAF_LIST 1u
 #define GW_LEAF_SINGLE 2u
 #define GW_LEAF_DENSE 3u
+// Entry of the root grid, a node of its own (render/root_grid.h): kind and link as in the node, or kind inner with the mask of the
+// node; scale of the cell, log2 of its side in finest cells, in bits 24-31. An empty cell: an inner one without children,
+// one scale above it.
+#define GW_GRID_ENTRY_SCALE(y) ((y) >> 24)
+#define GW_GRID_ENTRY_SCALE_SHIFT 24
 // Reference array: triangle ids; the last of a list carries this bit. Entry 0 is reserved.
 #define GW_REFERENCE_LAST 0x80000000u
 #define GW_REFERENCE_ID 0x7fffffffu

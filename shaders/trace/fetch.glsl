@@ -6,6 +6,7 @@ layout(std430, binding = 11) readonly buffer Nodes { uvec2 nodes[]; };
 layout(std430, binding = 12) readonly buffer References { uint references[]; };
 layout(std430, binding = 13) readonly buffer Triangles { uvec4 triangles[]; };
 #define NODE(index) nodes[index]
+#define NODES_END uint(nodes.length())
 #define REFERENCE(index) references[index]
 #define TRIANGLE(id, k) triangles[(id) * 3u + uint(k)]
 #elif !defined(GW_FETCH_DEFINED)
@@ -14,6 +15,7 @@ layout(binding = 1) uniform usamplerBuffer references;
 layout(binding = 2) uniform usamplerBuffer triangles;
 layout(binding = 3) uniform usamplerBuffer payloads;
 #define NODE(index) texelFetch(nodes, int(index)).xy
+#define NODES_END uint(textureSize(nodes))
 #define REFERENCE(index) texelFetch(references, int(index)).x
 // k-th vertex of a triangle; w of vertex 0 holds flags.
 #define TRIANGLE(id, k) texelFetch(triangles, int(id) * 3 + (k))

@@ -51,11 +51,44 @@ uint octant_at(int s) {
     return uint(bits.x | (bits.y << 1) | (bits.z << 2)) ^ mirror;
 }
 
+// With ROOT_GRID_LEVEL the nodes end with a dense grid of the cells of that level, where the walk starts and where it returns to
+// instead of to the levels above: render/root_grid.h. Where voxels may be met it has no part: they need those levels.
+#ifdef ROOT_GRID_SCALE
+#define SCALE_ABOVE_GRID (17 + ROOT_GRID_SCALE) // its child has the grid's scale in its lower four bits
+#define CHILD_SCALE ((scale - 1) & 15)
+
+// Index of the grid's entry of the ray's cell.
+uint grid_entry() {
+    ivec3 sides = -ivec3(uvec3(mirror, mirror >> 1, mirror >> 2) & 1u) & (GRID_SIDE - 1);
+    ivec3 at = (cell ^ sides) >> ROOT_GRID_SCALE;
+    return NODES_END - (1u << (3 * ROOT_GRID_LEVEL)) +
+           uint((((at.z << ROOT_GRID_LEVEL) | at.y) << ROOT_GRID_LEVEL) | at.x);
+}
+
+void restart() {
+    scale = SCALE_ABOVE_GRID;
+    node_word = 0u;
+}
+
+// Scale of the ancestor to return to where cells differ in that bit.
+int return_scale(int highest) {
+    return highest >= ROOT_GRID_SCALE ? SCALE_ABOVE_GRID : highest + 1;
+}
+
+void return_to(int s) {
+    scale = return_scale(s - 1);
+    node_word = stack_pop(scale);
+}
 // A kernel that reads nodes of another form (bench/) brings its own of these two.
-#ifdef GW_NODE_FORM_DEFINED
+#elif defined(GW_NODE_FORM_DEFINED)
 void restart();
 void return_to(int s);
 #else
+#define CHILD_SCALE (scale - 1)
+int return_scale(int highest) {
+    return highest + 1;
+}
+
 void restart() {
     scale = SCALE_ABOVE_ROOT;
     node_word = WORD_ABOVE_ROOT;
@@ -106,19 +139,34 @@ float exit_of(int s) {
     return min(planes.x, min(planes.y, planes.z));
 }
 
-// Leaves the cell of scale s and returns to the smallest common ancestor of it and the next cell, found by the highest
-// differing bit.
-void advance(int s) {
+// The way out of a cell: the cell that comes next, t there, and the highest bit in which the two differ.
+struct Crossing {
+    ivec3 next;
+    float leave;
+    int highest;
+};
+
+float least_of(vec3 v) {
+    float yz = v.z < v.y ? v.z : v.y; // not min(): software GL spends two instructions more on not-a-number
+    return yz < v.x ? yz : v.x;
+}
+
+Crossing crossing_of(int s) {
     ivec3 upper = ((cell >> s) + 1) << s;
     precise vec3 planes = (vec3(upper) - grid_origin) * grid_inverse;
-    float leave = min(planes.x, min(planes.y, planes.z));
+    float leave = least_of(planes);
     precise vec3 at = grid_origin + grid_direction * leave;
     ivec3 next = min(max(ivec3(at), cell), upper - 1);
     next = mix(next, upper, lessThanEqual(planes, vec3(leave)));
     ivec3 changed = cell ^ next;
-    int highest = findMSB(changed.x | changed.y | changed.z);
-    cell = next;
-    cell_entry = leave;
-    in_root = highest < OCTREE_DEPTH;
-    return_to(highest + 1);
+    return Crossing(next, leave, findMSB(uint(changed.x | changed.y | changed.z)));
+}
+
+// Leaves the cell of scale s and returns to the smallest common ancestor of it and the next cell.
+void advance(int s) {
+    Crossing on = crossing_of(s);
+    cell = on.next;
+    cell_entry = on.leave;
+    in_root = on.highest < OCTREE_DEPTH;
+    return_to(on.highest + 1);
 }

@@ -1,9 +1,15 @@
 // The traversal's stack: one word for each octree level, indexed by scale (log2 of the cell's side in grid units), from 1.
 // Registers and selects, since a dynamically indexed array costs more on llvmpipe (docs/performance.md); the number of
 // registers follows from OCTREE_DEPTH, so no octree can be too deep for it. STACK_LOCAL is an array of the invocation,
-// STACK_SHARED one of the work group, for devices where those win.
+// STACK_SHARED one of the work group, for devices where those win. A push at a scale that the stack does not have, 0 or above
+// STACK_LEVELS, does nothing.
 #if OCTREE_DEPTH > 15
 #error "the traversal stack holds 15 levels"
+#endif
+// Scale of the root grid's cells, where the walk starts at a grid (trace/grid.glsl) and no level above needs a word.
+#if defined(ROOT_GRID_LEVEL) && !defined(WIDE_NODES) && !defined(NO_ROOT_GRID)
+#define ROOT_GRID_SCALE (OCTREE_DEPTH - ROOT_GRID_LEVEL)
+#define STACK_LEVELS ROOT_GRID_SCALE
 #endif
 #ifndef STACK_LEVELS
 #define STACK_LEVELS OCTREE_DEPTH
@@ -12,7 +18,8 @@
 #if defined(STACK_LOCAL)
 uint stack_words[STACK_LEVELS];
 void stack_push(int at, uint word) {
-    stack_words[at - 1] = word;
+    if (at >= 1 && at <= STACK_LEVELS)
+        stack_words[at - 1] = word;
 }
 uint stack_pop(int at) {
     return stack_words[clamp(at, 1, STACK_LEVELS) - 1];
@@ -20,7 +27,8 @@ uint stack_pop(int at) {
 #elif defined(STACK_SHARED)
 shared uint stack_words[STACK_LEVELS * 64];
 void stack_push(int at, uint word) {
-    stack_words[(at - 1) * 64 + int(gl_LocalInvocationIndex)] = word;
+    if (at >= 1 && at <= STACK_LEVELS)
+        stack_words[(at - 1) * 64 + int(gl_LocalInvocationIndex)] = word;
 }
 uint stack_pop(int at) {
     return stack_words[(clamp(at, 1, STACK_LEVELS) - 1) * 64 + int(gl_LocalInvocationIndex)];

@@ -40,28 +40,45 @@ void step_on(int s) {
 #ifdef GW_NODE_FORM_DEFINED
 bool take_step(out uvec2 leaf);
 #else
+// Straight through, both ways worked out and one selected: software GL executes both sides of a branch anyway, masks what
+// either writes, and would let the way on wait for the node that only the way down needs.
 bool take_step(out uvec2 leaf) {
-    int child_scale = scale - 1;
-    bool valid, found = false;
+    int child_scale = CHILD_SCALE;
+    bool valid;
     uint index = child_at(node_word, octant_at(child_scale), valid);
-    COUNT_NODE(valid);
-    leaf = uvec2(0u);
-    if (valid) {
-        uvec2 node = NODE(index);
-        scale = child_scale;
-        found = GW_NODE_KIND(node.y) != GW_KIND_INNER;
-#ifdef UNTIL_COARSE
-        coarse_ahead = accepted_error() >= 0.5 * float(1 << child_scale);
-        found = found || coarse_ahead;
+#ifdef ROOT_GRID_SCALE
+    bool above = scale == SCALE_ABOVE_GRID;
+    index = above ? grid_entry() : index;
+    valid = valid || above;
 #endif
-        leaf = node;
-        if (!found) {
-            node_word = node_word_of(index, node);
-            stack_push(child_scale, node_word);
-        }
-    } else {
-        step_on(child_scale);
-    }
+    COUNT_NODE(valid);
+    uvec2 node = NODE(valid ? index : 0u);
+    uint below = node_word_of(index, node);
+    bool found = valid && GW_NODE_KIND(node.y) != GW_KIND_INNER;
+#ifdef UNTIL_COARSE
+    coarse_ahead = valid && accepted_error() >= 0.5 * float(1 << child_scale);
+    found = found || coarse_ahead;
+#endif
+    Crossing on = crossing_of(child_scale);
+    bool stays = on.highest < OCTREE_DEPTH;
+    int back = return_scale(on.highest);
+    uint ancestor = stack_pop(back);
+#ifdef ROOT_GRID_SCALE
+    child_scale = above ? int(GW_GRID_ENTRY_SCALE(node.y)) : child_scale;
+#endif
+    stack_push(valid && !found ? child_scale : 0, below);
+    node_word = valid ? (found ? node_word : below) : ancestor;
+    scale = valid ? child_scale : back;
+#ifdef ALPHA
+    leaf_cell = valid ? leaf_cell : cell;
+    leaf_entry = valid ? leaf_entry : cell_entry;
+    leaf_parent_scale = valid ? leaf_parent_scale : child_scale + 1;
+#endif
+    in_root = valid || stays;
+    walking = valid || (stays && hit_t > on.leave);
+    cell = valid ? cell : on.next;
+    cell_entry = valid ? cell_entry : on.leave;
+    leaf = node;
     return found;
 }
 #endif

@@ -139,34 +139,30 @@ float exit_of(int s) {
     return min(planes.x, min(planes.y, planes.z));
 }
 
-// The way out of a cell: the cell that comes next, t there, and the highest bit in which the two differ.
-struct Crossing {
-    ivec3 next;
-    float leave;
-    int highest;
-};
-
 float least_of(vec3 v) {
     float yz = v.z < v.y ? v.z : v.y; // not min(): software GL spends two instructions more on not-a-number
     return yz < v.x ? yz : v.x;
 }
 
-Crossing crossing_of(int s) {
+// The way out of the cell of scale s: the cell that comes next and t there. The result is the highest bit in which the two
+// differ.
+int find_way_on(int s, out ivec3 next, out float leave) {
     ivec3 upper = ((cell >> s) + 1) << s;
     precise vec3 planes = (vec3(upper) - grid_origin) * grid_inverse;
-    float leave = least_of(planes);
+    leave = least_of(planes);
     precise vec3 at = grid_origin + grid_direction * leave;
-    ivec3 next = min(max(ivec3(at), cell), upper - 1);
-    next = mix(next, upper, lessThanEqual(planes, vec3(leave)));
+    next = mix(min(max(ivec3(at), cell), upper - 1), upper, lessThanEqual(planes, vec3(leave)));
     ivec3 changed = cell ^ next;
-    return Crossing(next, leave, findMSB(uint(changed.x | changed.y | changed.z)));
+    return findMSB(uint(changed.x | changed.y | changed.z));
 }
 
 // Leaves the cell of scale s and returns to the smallest common ancestor of it and the next cell.
 void advance(int s) {
-    Crossing on = crossing_of(s);
-    cell = on.next;
-    cell_entry = on.leave;
-    in_root = on.highest < OCTREE_DEPTH;
-    return_to(on.highest + 1);
+    ivec3 next;
+    float leave;
+    int highest = find_way_on(s, next, leave);
+    cell = next;
+    cell_entry = leave;
+    in_root = highest < OCTREE_DEPTH;
+    return_to(highest + 1);
 }

@@ -59,9 +59,11 @@ bool take_step(out uvec2 leaf) {
     coarse_ahead = valid && accepted_error() >= 0.5 * float(1 << child_scale);
     found = found || coarse_ahead;
 #endif
-    Crossing on = crossing_of(child_scale);
-    bool stays = on.highest < OCTREE_DEPTH;
-    int back = return_scale(on.highest);
+    ivec3 next;
+    float leave;
+    int highest = find_way_on(child_scale, next, leave);
+    bool stays = highest < OCTREE_DEPTH;
+    int back = return_scale(highest);
     uint ancestor = stack_pop(back);
 #ifdef ROOT_GRID_SCALE
     child_scale = above ? int(GW_GRID_ENTRY_SCALE(node.y)) : child_scale;
@@ -75,9 +77,9 @@ bool take_step(out uvec2 leaf) {
     leaf_parent_scale = valid ? leaf_parent_scale : child_scale + 1;
 #endif
     in_root = valid || stays;
-    walking = valid || (stays && hit_t > on.leave);
-    cell = valid ? cell : on.next;
-    cell_entry = valid ? cell_entry : on.leave;
+    walking = valid || (stays && hit_t > leave);
+    cell = valid ? cell : next;
+    cell_entry = valid ? cell_entry : leave;
     leaf = node;
     return found;
 }

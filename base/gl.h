@@ -53,6 +53,13 @@ typedef struct gw_gl_gpu {
 } gw_gl_gpu;
 size_t gw_gl_list_gpus(gw_gl_gpu out[GW_GL_MAXIMUM_GPUS]);
 
+/* Called on the device's thread between pieces of long work: before and after slices of a dispatch, and
+ * before a program is compiled. silence: s for which it may not be called again, because the driver compiles;
+ * 0: as usual, which is about 200 ms also on software GL. Not called while the GPU is waited for, so a GPU
+ * that hangs is silent. NULL: nobody (as at first). */
+typedef void gw_gl_pulse(void *context, double silence);
+void gw_gl_set_pulse(gw_gl *device, gw_gl_pulse *pulse, void *context);
+
 /* Bytes of the buffers that exist on the device, and the most that existed at once since the peak was reset.
  * Textures and the driver's own memory are not in it. */
 typedef struct gw_gl_usage {

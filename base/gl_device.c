@@ -136,6 +136,11 @@ const gw_log *gw_gl_log(const gw_gl *device) {
     return device->log;
 }
 
+void gw_gl_set_pulse(gw_gl *device, gw_gl_pulse *pulse, void *context) {
+    device->pulse = pulse;
+    device->pulse_context = context;
+}
+
 gw_code gw_gl_finish(gw_gl *device, gw_error *error) {
     (void)device;
     GLsync fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);

@@ -10,6 +10,7 @@
 typedef struct gw_gl_cached_program {
     char *name, *defines;
     GLuint id;
+    int ran; /* software GL compiles at the first dispatch */
 } gw_gl_cached_program;
 
 /* Storage that waits for its next buffer. */
@@ -36,6 +37,8 @@ struct gw_gl {
     size_t program_count, program_capacity;
     gw_gl_pool pool;
     gw_gl_usage usage;
+    gw_gl_pulse *pulse;
+    void *pulse_context;
 };
 
 /* Makes a context without a window and makes it current; gpu: the index of the EGL device, NULL: the first

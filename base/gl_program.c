@@ -9,7 +9,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PORTABLE_GROUPS = 65535 };
+/* Slices: what every driver allows, and what a processor does in some 100 ms. */
+enum { PORTABLE_GROUPS = 65535, SOFTWARE_GROUPS = 1024 };
+static const double compile_patience = 120; /* s */
+
+static void pulse(const gw_gl *device, double silence) {
+    if (device->pulse)
+        device->pulse(device->pulse_context, silence);
+}
 
 void gw_gl_programs_finish(gw_gl *device) {
     for (size_t i = 0; i < device->program_count; i++) {
@@ -141,6 +148,7 @@ static gw_code find_program(gw_gl *device, const program_stage *stages, size_t c
     }
     int64_t start = gw_now_ns();
     GLuint program = 0;
+    pulse(device, compile_patience);
     gw_code code = link_program(device, stages, count, defines, &program, error);
     if (!code) {
         code = remember(device, name, key, program, error);
@@ -209,10 +217,24 @@ static const GLbitfield after_dispatch = GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXT
                                          GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
                                          GL_COMMAND_BARRIER_BIT;
 
+/* Before work of a program: software GL compiles what has never run. */
+static void announce(gw_gl *device, GLuint program) {
+    double silence = 0;
+    for (size_t i = 0; device->limits.software && i < device->program_count; i++) {
+        gw_gl_cached_program *cached = &device->programs[i];
+        if (cached->id == program && !cached->ran) {
+            cached->ran = 1;
+            silence = compile_patience;
+        }
+    }
+    pulse(device, silence);
+}
+
 gw_code gw_gl_dispatch(gw_gl *device, GLuint program, uint64_t groups, gw_error *error) {
     if (groups == 0) {
         return GW_OK;
     }
+    announce(device, program);
     /* Slices of the size that every driver allows, so that the same sequence runs everywhere. */
     uint64_t slice = (uint64_t)device->limits.work_groups[0] < PORTABLE_GROUPS
                          ? (uint64_t)device->limits.work_groups[0]
@@ -225,6 +247,9 @@ gw_code gw_gl_dispatch(gw_gl *device, GLuint program, uint64_t groups, gw_error 
                        (unsigned long long)groups, (unsigned long long)(base < 0 ? slice : UINT32_MAX),
                        base < 0 ? ", and it has no uniform 'group_base' that would allow slices" : "");
     }
+    if (device->limits.software && base >= 0 && slice > SOFTWARE_GROUPS) {
+        slice = SOFTWARE_GROUPS;
+    }
     glUseProgram(program);
     for (uint64_t begin = 0; begin < groups; begin += slice) {
         uint64_t count = groups - begin < slice ? groups - begin : slice;
@@ -232,6 +257,7 @@ gw_code gw_gl_dispatch(gw_gl *device, GLuint program, uint64_t groups, gw_error 
             glProgramUniform1ui(program, base, (GLuint)begin);
         }
         glDispatchCompute((GLuint)count, 1, 1);
+        pulse(device, 0);
     }
     glMemoryBarrier(after_dispatch);
     return gw_gl_check("dispatching work groups", error);
@@ -239,7 +265,7 @@ gw_code gw_gl_dispatch(gw_gl *device, GLuint program, uint64_t groups, gw_error 
 
 gw_code gw_gl_dispatch_indirect(gw_gl *device, GLuint program, const gw_gl_buffer *arguments, size_t offset,
                                 gw_error *error) {
-    (void)device;
+    announce(device, program);
     GLint base = glGetUniformLocation(program, "group_base");
     if (base >= 0) {
         glProgramUniform1ui(program, base, 0);

@@ -7,16 +7,34 @@
 #include "wall/report.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <string.h>
 
 /* --- before frame 1
  * --------------------------------------------------------------------------------------------- */
 
+static int see_death(void *link, uint32_t *tile) {
+    return gw_link_poll_lost(link, tile);
+}
+
+static gw_code open_gate(gw_conductor *conductor, struct gw_rank *rank, gw_error *error) {
+    const gw_site_times times = gw_sim_times(&rank->options, &rank->site);
+    const gw_gate_options gate = {.layout = &rank->site.layout,
+                                  .share = &rank->share,
+                                  .live = rank->options.live,
+                                  /* Between the frames of a lock-step run pictures are written. */
+                                  .silence = (int64_t)(1e9 * (rank->options.live ? times.death : times.load)),
+                                  .deadline = rank->load_deadline,
+                                  .frames = conductor->kept,
+                                  .died = see_death,
+                                  .died_context = &rank->line,
+                                  .log = &rank->line.log};
+    return gw_gate_create(&gate, &conductor->gate, error);
+}
+
 gw_code gw_conductor_init(gw_conductor *conductor, struct gw_rank *rank, int argc, char **argv,
                           gw_error *error) {
     const gw_sim_options *options = &rank->options;
-    for (int i = 0; i < GW_MAXIMUM_TILES; i++)
-        conductor->lost_frame[i] = -1;
     gw_code code = gw_conductor_create_report(conductor, rank, argc, argv, error);
     if (!code)
         code = gw_conductor_choose_source(conductor, rank, error);
@@ -33,7 +51,7 @@ gw_code gw_conductor_init(gw_conductor *conductor, struct gw_rank *rank, int arg
     if (!code)
         code = gw_pilot_open(rank, &conductor->pilot, error);
     if (!code)
-        code = gw_gate_create(&rank->site.layout, &conductor->gate, error);
+        code = open_gate(conductor, rank, error);
     gw_report_settings(conductor->report, &options->draw.settings);
     return code;
 }
@@ -41,19 +59,27 @@ gw_code gw_conductor_init(gw_conductor *conductor, struct gw_rank *rank, int arg
 /* --- a frame
  * ---------------------------------------------------------------------------------------------------- */
 
-/* How long a silent tile is waited for. Kernels are compiled in the first frame, on all tiles at once. */
-static int64_t patience_of(const gw_conductor *conductor, const struct gw_rank *rank, uint32_t done_frames) {
-    const double first_frame = 120;
-    double seconds = rank->options.frame_deadline;
-    if (seconds <= 0) {
-        seconds = 20e-3 * gw_spread_of(conductor->milliseconds,
-                                       done_frames < conductor->kept ? done_frames : conductor->kept)
-                              .median;
-        seconds = seconds < 10 ? 10 : seconds;
-    }
-    if (done_frames == 0 && seconds < first_frame)
-        seconds = first_frame;
-    return (int64_t)(seconds * 1e9);
+static double usual_tile_ms(const gw_conductor *conductor, uint32_t done_frames) {
+    return gw_spread_of(conductor->tile_ms, done_frames < GW_USUAL_FRAMES ? done_frames : GW_USUAL_FRAMES)
+        .median;
+}
+
+/* How long what is waited for (docs/gate.md). Kernels are compiled in the first frame, on all tiles at once,
+ * so all are waited for. */
+static gw_patience patience_of(const gw_conductor *conductor, const struct gw_rank *rank,
+                               uint32_t done_frames) {
+    const double first_frame = 120, least = 10;
+    const gw_site_times times = gw_sim_times(&rank->options, &rank->site);
+    double frame = times.frame > 0 ? times.frame : 3 / times.refresh, death = times.death;
+    if (times.frame <= 0)
+        frame = fmax(frame, 2e-3 * usual_tile_ms(conductor, done_frames));
+    if (!rank->options.live && rank->options.death_deadline <= 0)
+        death = fmax(fmax(least, death), 20e-3 * usual_tile_ms(conductor, done_frames));
+    if (done_frames == 0)
+        death = fmax(death, first_frame);
+    return (gw_patience){.live = rank->options.live && done_frames > 0,
+                         .frame = (int64_t)(frame * 1e9),
+                         .death = (int64_t)(death * 1e9)};
 }
 
 /* The launcher watches rank 0 as rank 0 watches the tiles: each stretch of work is announced with the time
@@ -63,46 +89,73 @@ static void promise(struct gw_rank *rank, int64_t patience, double pixels) {
     gw_link_promise(&rank->line, (double)patience * 1e-9 + 10 + 3e-6 * pixels);
 }
 
-static void note_loss(gw_conductor *conductor, const struct gw_rank *rank, uint32_t tile, uint32_t frame,
-                      const char *why) {
-    conductor->lost_frame[tile] = frame;
-    conductor->lost_count++;
-    gw_log_write(&rank->line.log, GW_LOG_WARNING,
-                 "tile %s (rank %" PRIu32 ") is lost since frame %" PRIu32 ": %s",
-                 rank->site.layout.tiles[tile].name, tile, frame, why);
+/* A tile that could not draw. In lock-step that ends the run, because the others would fail the same way. */
+static gw_code note_failure(gw_conductor *conductor, const struct gw_rank *rank, uint32_t tile,
+                            const gw_done *done, gw_error *error) {
+    if (!rank->options.live || tile == 0)
+        return gw_fail(error, (gw_code)done->code, "tile %s: %s", rank->site.layout.tiles[tile].name,
+                       done->text);
+    gw_gate_tile_died(conductor->gate, tile, done->text);
+    conductor->missed[GW_MISSED_LOST]++;
+    conductor->missing++;
+    return GW_OK;
 }
 
-/* After the gate: adds up what the tiles did; a tile that could not draw ends the run, because the others
- * would fail the same way. *slowest in ms. */
+static void count_lost(gw_conductor *conductor, const struct gw_rank *rank) {
+    conductor->lost_count = 0;
+    for (uint32_t i = 1; i < rank->site.layout.tile_count; i++)
+        conductor->lost_count += gw_gate_tile_of(conductor->gate, i)->lost > 0;
+}
+
+/* After the gate: adds up what the tiles did. *slowest in ms. */
 static gw_code add_up(gw_conductor *conductor, const struct gw_rank *rank, const gw_done *own, uint32_t frame,
                       const uint8_t **pixels, gw_counters *sum, double *slowest, gw_error *error) {
+    double milliseconds[GW_MAXIMUM_TILES];
+    uint32_t drawn = 0;
+    *slowest = 0;
     memset(sum, 0, sizeof *sum);
     memset(&conductor->seen, 0, sizeof conductor->seen);
-    *slowest = 0;
+    memset(conductor->missed, 0, sizeof conductor->missed);
+    conductor->missing = 0;
     for (uint32_t i = 0; i < rank->site.layout.tile_count; i++) {
         const gw_gate_tile *tile = i ? gw_gate_tile_of(conductor->gate, i) : NULL;
+        const gw_done *done = tile ? &tile->done : own;
         pixels[i] = NULL;
-        if (tile && tile->state == GW_TILE_LOST) {
-            if (conductor->lost_frame[i] < 0)
-                note_loss(conductor, rank, i, frame, "nothing came from it in time");
+        if (tile && tile->missed) {
+            conductor->missed[tile->missed]++;
+            conductor->missing++;
             continue;
         }
-        const gw_done *done = tile ? &tile->done : own;
-        if (done->code)
-            return gw_fail(error, (gw_code)done->code, "tile %s: %s", rank->site.layout.tiles[i].name,
-                           done->text);
+        if (done->code) {
+            gw_code code = note_failure(conductor, rank, i, done, error);
+            if (code)
+                return code;
+            continue;
+        }
         pixels[i] = tile ? tile->pixels : rank->pixels;
-        double milliseconds = (double)done->render_ns * 1e-6;
-        if (milliseconds > *slowest) {
-            *slowest = milliseconds;
+        if (!drawn || (double)done->render_ns * 1e-6 > *slowest) {
+            *slowest = (double)done->render_ns * 1e-6;
             conductor->slowest_tile = i;
         }
+        milliseconds[drawn++] = (double)done->render_ns * 1e-6;
         gw_counters_add(sum, &done->counters);
         gw_predicted_error_add(&conductor->seen, &done->predicted);
         gw_budget_note(&conductor->budget, i, done);
     }
+    conductor->tile_ms[frame % GW_USUAL_FRAMES] = gw_spread_of(milliseconds, drawn).median;
     gw_predicted_error_add(&conductor->predicted, &conductor->seen);
+    count_lost(conductor, rank);
     return GW_OK;
+}
+
+/* Rank 0's tile shows what it drew last. */
+static void present(gw_conductor *conductor, struct gw_rank *rank) {
+    uint32_t shown;
+    int64_t when;
+    if (!gw_rank_present(rank, &shown, &when))
+        return;
+    conductor->presented++;
+    gw_swap_skew_note(gw_gate_swaps(conductor->gate), shown, when, 0);
 }
 
 /* Known before the frame is released, so that the last one can be treated as such. */
@@ -116,32 +169,30 @@ static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_
     gw_pilot_poll(conductor->pilot, frame);
     *last = is_last(conductor, rank, frame);
     gw_release release = {.kind = GW_RELEASE_FRAME, .last = (uint32_t)*last};
-    release.pixels = release.last || rank->options.out || gw_pilot_wants_pixels(conductor->pilot);
+    release.pixels = (release.last || rank->options.out || gw_pilot_wants_pixels(conductor->pilot)) &&
+                     !rank->options.gate_only;
     release.predict = release.last || rank->options.out || gw_budget_is_on(&conductor->budget);
     gw_code code = gw_conductor_make_state(conductor, rank, frame, &release.state, error);
     conductor->states[gw_kept(conductor, frame)] = release.state;
     int64_t begin = gw_now_ns();
-    if (!code)
-        code = gw_gate_release(conductor->gate, &release, error);
     if (code)
         return code;
-    gw_done own;
-    uint32_t lost = 0;
-    const int64_t patience = patience_of(conductor, rank, frame);
+    gw_gate_release(conductor->gate, &release);
+    present(conductor, rank);
+    static gw_done own;
+    const gw_patience patience = patience_of(conductor, rank, frame);
     const double wall = (double)rank->site.layout.picture[0] * rank->site.layout.picture[1];
-    promise(rank, patience, wall);
+    promise(rank, patience.death, wall);
     gw_rank_draw(rank, &release, &own);
-    promise(rank, patience, wall);
-    code = gw_gate_collect(conductor->gate, patience, &lost, error);
-    if (code)
-        return code;
+    promise(rank, patience.death, wall);
+    gw_gate_collect(conductor->gate, &patience);
     int64_t end = gw_now_ns();
     conductor->milliseconds[gw_kept(conductor, frame)] = (double)(end - begin) * 1e-6;
 
     const uint8_t *pixels[GW_MAXIMUM_TILES];
     gw_counters sum;
     double slowest;
-    code = add_up(conductor, rank, &own, release.state.frame, pixels, &sum, &slowest, error);
+    code = add_up(conductor, rank, &own, frame, pixels, &sum, &slowest, error);
     if (code)
         return code;
     conductor->slowest_ms = slowest;
@@ -153,7 +204,7 @@ static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_
     promise(rank, 0, 4 * wall);
     if (rank->options.out)
         code = gw_conductor_write_pictures(conductor, rank, &release, pixels, error);
-    else if (release.last)
+    else if (release.last && !rank->options.gate_only)
         code = gw_conductor_hash_picture(conductor, rank, pixels, error);
     const gw_pilot_facts facts = {.state = &release.state,
                                   .pixels = pixels,
@@ -179,9 +230,12 @@ gw_code gw_conductor_run(gw_conductor *conductor, struct gw_rank *rank, gw_error
                         conductor->frame_count == GW_ENDLESS ? -1 : (double)frame / conductor->frame_count);
         code = draw_frame(conductor, rank, frame, start, &last, error);
     }
-    promise(rank, patience_of(conductor, rank, 0), 0);
+    promise(rank, patience_of(conductor, rank, 0).death, 0);
     gw_pilot_close(&conductor->pilot);
     gw_gate_quit(conductor->gate);
     conductor->frame_count = frame;
+    present(conductor, rank);
+    gw_gate_wait_until_left(conductor->gate);
+    count_lost(conductor, rank);
     return code ? code : gw_conductor_finish(conductor, rank, error);
 }

@@ -18,6 +18,8 @@ struct gw_rank;
 
 #define GW_ENDLESS UINT32_MAX
 
+enum { GW_USUAL_FRAMES = 16 };
+
 typedef struct gw_conductor {
     json_t *report;
     gw_track *track;      /* NULL with recorded states, or a gaze from the command line */
@@ -27,13 +29,17 @@ typedef struct gw_conductor {
     uint32_t frame_count; /* GW_ENDLESS: until the run is ended */
     uint32_t kept;        /* so many states and times are kept: all, or the last of a run without an end */
     int64_t started;      /* ns; the time of frame 0 when frames follow the clock, or 0: they do not */
-    int64_t first_time, step;             /* ns, of the track's clock */
-    int scene_moves;                      /* it is animated, so every frame's time is a view of its own */
-    gw_frame_state *states;               /* [kept], as sent; frame N at N modulo kept */
-    double *milliseconds;                 /* [kept], release to last pixel */
-    int64_t lost_frame[GW_MAXIMUM_TILES]; /* -1: not lost */
-    uint32_t lost_count;
-    uint32_t slowest_tile; /* of the last frame */
+    int64_t first_time, step;            /* ns, of the track's clock */
+    int scene_moves;                     /* it is animated, so every frame's time is a view of its own */
+    gw_frame_state *states;              /* [kept], as sent; frame N at N modulo kept */
+    double *milliseconds;                /* [kept], release to last pixel */
+    double tile_ms[GW_USUAL_FRAMES];     /* median tile of the last frames, by number modulo */
+    uint32_t missed[GW_MISSED_LOST + 1]; /* tiles of this frame, by gw_tile_missed */
+    uint32_t missing;                    /* tiles without which this frame went on */
+    uint32_t presented;                  /* frames that rank 0's tile showed */
+    uint32_t lost_count;                 /* tiles that were ever lost */
+    double swap_median, swap_maximum;    /* ms, for the summary */
+    uint32_t slowest_tile;               /* of the last frame */
     double slowest_ms;
     gw_counters counters;           /* of all tiles and frames */
     gw_budget budget;               /* of --budget, --budget-rays */
@@ -50,7 +56,7 @@ gw_code gw_conductor_init(gw_conductor *conductor, struct gw_rank *rank, int arg
                           gw_error *error);
 /* Puts device, scene and octree into the report while rank 0 still has them. */
 gw_code gw_conductor_describe(gw_conductor *conductor, const struct gw_rank *rank, gw_error *error);
-/* All frames, lock-step, then quit, report and summary. GW_TILES_LOST when it finished without some tile. */
+/* All frames, then quit, report and summary. GW_TILES_LOST when some tile was lost on the way. */
 gw_code gw_conductor_run(gw_conductor *conductor, struct gw_rank *rank, gw_error *error);
 
 #endif

@@ -1,6 +1,7 @@
 /* What a run leaves behind: report, frames.csv, pictures, recorded states, the summary. */
 #include "wall/conductor_internal.h"
 
+#include "base/clock.h"
 #include "base/file.h"
 #include "base/image.h"
 #include "base/memory.h"
@@ -51,8 +52,8 @@ gw_code gw_conductor_open_rows(gw_conductor *conductor, const char *folder, gw_e
     if (!code)
         fputs("frame,presented_ms,time_s,eye_x_mm,eye_y_mm,eye_z_mm,gazes,gaze_x,gaze_y,gaze_z,gaze_age_s,"
               "gaze_confidence,tau,tau_inside,epoch,accumulate,strain,gaze_margin,acuity_slope,sample_block,"
-              "error_worst,error_mean,rays,frame_ms,slowest_tile_ms,late_tiles,lost_"
-              "tiles\n",
+              "error_worst,error_mean,rays,frame_ms,slowest_tile_ms,late_tiles,skipped_tiles,"
+              "lost_tiles\n",
               conductor->rows);
     return code;
 }
@@ -102,13 +103,14 @@ void gw_conductor_write_row(gw_conductor *conductor, uint32_t frame, const gw_co
     const gw_gaze *g = &s->gazes[0]; /* all zero when there is none */
     fprintf(conductor->rows,
             "%" PRIu32 ",%.3f,%.9f,%.9g,%.9g,%.9g,%" PRIu32 ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%" PRIu32
-            ",%d,%.9g,%.9g,%.9g,%d,%.6g,%.6g,%" PRIu64 ",%.3f,%.3f,0,%" PRIu32 "\n",
+            ",%d,%.9g,%.9g,%.9g,%d,%.6g,%.6g,%" PRIu64 ",%.3f,%.3f,%" PRIu32 ",%" PRIu32 ",%" PRIu32 "\n",
             s->frame, presented, (double)s->time * 1e-9, s->eye[0], s->eye[1], s->eye[2], s->gaze_count,
             (double)g->direction[0], (double)g->direction[1], (double)g->direction[2], (double)g->age,
             (double)g->confidence, (double)knobs.tau, (double)knobs.tau_inside, s->epoch, s->accumulate,
             (double)s->strain, (double)knobs.gaze_margin, (double)knobs.acuity_slope, 1 << knobs.sample_block,
             conductor->seen.worst, gw_predicted_error_mean(&conductor->seen), sum->rays,
-            conductor->milliseconds[gw_kept(conductor, frame)], slowest, conductor->lost_count);
+            conductor->milliseconds[gw_kept(conductor, frame)], slowest, conductor->missed[GW_MISSED_LATE],
+            conductor->missed[GW_MISSED_SKIPPED], conductor->missed[GW_MISSED_LOST]);
     fflush(conductor->rows);
 }
 
@@ -129,7 +131,7 @@ gw_code gw_conductor_write_pictures(gw_conductor *conductor, const struct gw_ran
                                     const gw_release *release, const uint8_t *const *pixels,
                                     gw_error *error) {
     const char *folder = rank->options.out;
-    const char *mark = conductor->lost_count ? "-incomplete" : "";
+    const char *mark = conductor->missing ? "-incomplete" : "";
     for (int framed = 0; framed < 2; framed++) {
         gw_image image = {0};
         gw_code code = gw_picture_assemble(&rank->site.layout, pixels, framed, &image, error);
@@ -137,7 +139,7 @@ gw_code gw_conductor_write_pictures(gw_conductor *conductor, const struct gw_ran
         char name[64], comment[128];
         /* Not a word about the split: every split of a wall gives the same file. */
         snprintf(comment, sizeof comment, "Gazewall " GW_VERSION ", frame %" PRIu32 "%s",
-                 release->state.frame, conductor->lost_count ? ", incomplete" : "");
+                 release->state.frame, conductor->missing ? ", incomplete" : "");
         snprintf(name, sizeof name, "%s-%04" PRIu32 "%s.png", stem, release->state.frame, mark);
         if (!code)
             code = write_picture(folder, name, &image, comment, error);
@@ -199,6 +201,11 @@ static void sum_up(const gw_conductor *conductor, struct gw_rank *rank) {
           conductor->lost_count ? ", NOT ALL OF THEM TO THE END: see the warnings" : "");
     print(rank, "frames   %" PRIu32 ": median %.0f ms, slowest %.0f ms", conductor->frame_count, ms.median,
           ms.maximum);
+    if (conductor->swap_maximum > 0)
+        print(rank, "swap     the tiles presented a frame within %.3f ms of each other, %.3f ms at worst",
+              conductor->swap_median, conductor->swap_maximum);
+    if (rank->options.gate_only)
+        return;
     print(rank, "rays     %.2f million, %.2f per pixel, %.2f million a second",
           (double)conductor->counters.rays * 1e-6, (double)conductor->counters.rays / pixels,
           (double)conductor->counters.rays * 1e-3 / total);
@@ -218,6 +225,34 @@ static void sum_up(const gw_conductor *conductor, struct gw_rank *rank) {
         print(rank, "report   %s", rank->options.draw.report);
 }
 
+static const char *state_of(const gw_gate_tile *tile) {
+    static const char *const names[] = {"live", "late", "lost"};
+    return names[tile->state];
+}
+
+/* What the gate saw of the tiles. */
+static void report_gate(gw_conductor *conductor, const struct gw_rank *rank) {
+    gw_tile_record records[GW_MAXIMUM_TILES] = {{.state = "live",
+                                                 .presented = conductor->presented,
+                                                 .processor_ms = 1e-6 * (double)gw_processor_ns()}};
+    const gw_site_times times = gw_sim_times(&rank->options, &rank->site);
+    for (uint32_t i = 1; i < rank->site.layout.tile_count; i++) {
+        const gw_gate_tile *tile = gw_gate_tile_of(conductor->gate, i);
+        records[i] = (gw_tile_record){.state = state_of(tile),
+                                      .presented = tile->presented,
+                                      .late = tile->late,
+                                      .skipped = tile->skipped,
+                                      .lost = tile->lost,
+                                      .returned = tile->returned,
+                                      .lost_frame = tile->lost_frame,
+                                      .fault = tile->fault,
+                                      .processor_ms = 1e-6 * (double)tile->processor};
+    }
+    gw_report_tiles(conductor->report, &rank->site.layout, records);
+    gw_report_gate(conductor->report, rank->options.live, &times, gw_gate_swaps(conductor->gate),
+                   &conductor->swap_median, &conductor->swap_maximum);
+}
+
 gw_code gw_conductor_finish(gw_conductor *conductor, struct gw_rank *rank, gw_error *error) {
     const gw_sim_options *options = &rank->options;
     gw_code code = GW_OK;
@@ -225,7 +260,7 @@ gw_code gw_conductor_finish(gw_conductor *conductor, struct gw_rank *rank, gw_er
         code = gw_fail(error, GW_NO_OUTPUT, "%s/frames.csv could not be written to its end", options->out);
     if (!code && options->save_states)
         code = gw_states_save(options->save_states, conductor->states, conductor->frame_count, error);
-    gw_report_tiles(conductor->report, &rank->site.layout, conductor->lost_frame);
+    report_gate(conductor, rank);
     gw_report_frames(conductor->report, conductor->milliseconds, known_frames(conductor),
                      conductor->frame_count);
     gw_report_ended(conductor->report, gw_link_stop(&rank->line));
@@ -233,7 +268,7 @@ gw_code gw_conductor_finish(gw_conductor *conductor, struct gw_rank *rank, gw_er
     const gw_frame_state *last = &conductor->states[gw_kept(conductor, conductor->frame_count - 1)];
     gw_report_predicted_error(conductor->report, &conductor->predicted, last,
                               gw_budget_json(&conductor->budget));
-    if (!code)
+    if (!code && rank->renderer)
         code = gw_renderer_report(rank->renderer, conductor->report, error);
     if (!code && options->draw.report) {
         gw_interrupt_hold();

@@ -2,49 +2,105 @@
 
 #include "base/clock.h"
 #include "base/memory.h"
-#include "wall/mpi_wait.h"
+#include "wall/process_state.h"
+#include "wall/wire_mpi.h"
 
-#include <mpi.h>
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { TAG_RELEASE = 1, TAG_DONE, TAG_PIXELS, TAG_LEFT };
-enum { CHUNK_BYTES = 4 << 20, QUIT_PATIENCE_MS = 2000 };
-
-/* What rank 0 waits for from a tile. */
-typedef enum stage { EXPECT_NOTHING, EXPECT_DONE, EXPECT_PIXELS, EXPECT_LEFT } stage;
+enum {
+    QUIT_PATIENCE_MS = 2000,
+    DEAF_MS = 250,     /* rank 0 that did not look for so long blames no tile for the silence */
+    LOOK_MS = 100,     /* how often the process of a tile that is waited for is looked at */
+    SHORT_NAP_US = 20, /* where no bell rings */
+    LONG_NAP_US = 500,
+    BELL_NAP_MS = 10,   /* where one does */
+    FIRST_PROBATION = 3 /* frames in a row in which a tile that was late must keep up */
+};
+static const int64_t millisecond = 1000000;
 
 typedef struct member {
     gw_gate_tile tile;
-    stage stage;
-    int rank;
-    MPI_Request sending, receiving;
-    gw_release release; /* stays untouched while it is being sent */
-    gw_done incoming;
-    size_t pixel_bytes, received;
-    int64_t heard; /* ns, when something last came from it */
+    gw_wire *wire; /* NULL: broken */
+    gw_process process;
+    int rank, here;      /* here: on rank 0's machine, so it has a bell and its process can be seen */
+    int due;             /* the frame in work is to be sent to it */
+    int outstanding;     /* it was released and has not answered */
+    int pixels_due;      /* it has answered, its pixels are coming */
+    int told, left;      /* to leave; it has left */
+    uint32_t released;   /* number of the frame into which it was released last */
+    int64_t released_at; /* ns */
+    int64_t heard;       /* ns, when something last came from it */
+    int64_t silence;     /* ns, that it has announced */
+    int64_t looked;      /* ns, when its process was looked at */
+    uint32_t kept_up;    /* frames in a row, since it was late */
+    uint32_t probation;  /* frames in a row that make it live again */
+    int pong_due;
+    uint32_t echo;
+    gw_answer incoming;
+    size_t pixel_bytes;
 } member;
 
 struct gw_gate {
     uint32_t count; /* tiles of the layout; member 0 is not used */
     member *members;
+    const gw_layout *layout;
+    const gw_log *log;
+    int (*died)(void *context, uint32_t *tile);
+    void *died_context;
+    int live;
+    int64_t silence, looked, nap;
+    uint32_t next;      /* number of the next frame */
+    gw_release current; /* of the frame in work */
+    gw_bell bell;
+    gw_swap_skew swaps;
 };
 
-gw_code gw_gate_create(const gw_layout *layout, gw_gate **out, gw_error *error) {
+/* --- making
+ * ----------------------------------------------------------------------------------------------------- */
+
+static gw_code add_member(gw_gate *gate, uint32_t tile, const gw_acquaintance *known, gw_error *error) {
+    member *m = &gate->members[tile];
+    const gw_rectangle *rectangle = &gate->layout->tiles[tile].rectangle;
+    m->rank = (int)tile;
+    m->here = known[tile].machine == known[0].machine;
+    m->probation = FIRST_PROBATION;
+    if (m->here)
+        m->process = gw_process_find(known[tile].process);
+    m->pixel_bytes = (size_t)rectangle->width * rectangle->height * 4;
+    gw_code code = gw_allocate((void **)&m->tile.pixels, m->pixel_bytes, 1, "pixels of a tile", error);
+    return code ? code : gw_wire_mpi(m->rank, &m->wire, error);
+}
+
+gw_code gw_gate_create(const gw_gate_options *options, gw_gate **out, gw_error *error) {
     gw_gate *gate = NULL;
+    gw_acquaintance known[GW_MAXIMUM_TILES] = {0};
+    uint64_t nonce = 0;
+    *out = NULL;
     gw_code code = gw_allocate((void **)&gate, 1, sizeof *gate, "frame gate", error);
     if (code)
         return code;
-    gate->count = layout->tile_count;
-    code = gw_allocate((void **)&gate->members, gate->count, sizeof *gate->members, "frame gate", error);
-    for (uint32_t i = 1; i < gate->count && !code; i++) {
-        member *m = &gate->members[i];
-        const gw_rectangle *rectangle = &layout->tiles[i].rectangle;
-        m->rank = (int)i;
-        m->sending = m->receiving = MPI_REQUEST_NULL;
-        m->pixel_bytes = (size_t)rectangle->width * rectangle->height * 4;
-        code = gw_allocate((void **)&m->tile.pixels, m->pixel_bytes, 1, "pixels of a tile", error);
-    }
+    gate->bell.socket = -1;
+    gate->count = options->layout->tile_count;
+    gate->layout = options->layout;
+    gate->log = options->log;
+    gate->died = options->died;
+    gate->died_context = options->died_context;
+    gate->live = options->live;
+    gate->silence = options->silence;
+    gate->looked = gw_now_ns();
+    code = gw_ranks_meet(options->share, known, &nonce, options->deadline, error);
+    if (!code)
+        code = gw_bell_open(nonce, 0, &gate->bell, error);
+    if (!code)
+        code = gw_swap_skew_create(options->frames, &gate->swaps, error);
+    if (!code)
+        code = gw_allocate((void **)&gate->members, gate->count, sizeof *gate->members, "frame gate", error);
+    for (uint32_t i = 1; i < gate->count && !code; i++)
+        code = add_member(gate, i, known, error);
     if (code)
         gw_gate_destroy(&gate);
     *out = gate;
@@ -54,9 +110,15 @@ gw_code gw_gate_create(const gw_layout *layout, gw_gate **out, gw_error *error) 
 void gw_gate_destroy(gw_gate **gate) {
     if (!*gate)
         return;
-    for (uint32_t i = 1; (*gate)->members && i < (*gate)->count; i++)
-        free((*gate)->members[i].tile.pixels);
+    for (uint32_t i = 1; (*gate)->members && i < (*gate)->count; i++) {
+        member *m = &(*gate)->members[i];
+        if (m->wire)
+            m->wire->close(m->wire);
+        free(m->tile.pixels);
+    }
     free((*gate)->members);
+    gw_swap_skew_finish(&(*gate)->swaps);
+    gw_bell_close(&(*gate)->bell);
     free(*gate);
     *gate = NULL;
 }
@@ -65,161 +127,372 @@ const gw_gate_tile *gw_gate_tile_of(const gw_gate *gate, uint32_t tile) {
     return &gate->members[tile].tile;
 }
 
-static gw_code send_release(member *m, const gw_release *release, gw_error *error) {
-    m->release = *release;
-    gw_code code = gw_mpi_check(MPI_Isend(&m->release, (int)sizeof m->release, MPI_BYTE, m->rank, TAG_RELEASE,
-                                          MPI_COMM_WORLD, &m->sending),
-                                "releasing a frame", error);
-    if (!code)
-        code = gw_mpi_check(MPI_Irecv(&m->incoming, (int)sizeof m->incoming, MPI_BYTE, m->rank,
-                                      release->kind == GW_RELEASE_QUIT ? TAG_LEFT : TAG_DONE, MPI_COMM_WORLD,
-                                      &m->receiving),
-                            "expecting a tile", error);
-    m->stage = release->kind == GW_RELEASE_QUIT ? EXPECT_LEFT : EXPECT_DONE;
-    m->heard = gw_now_ns();
-    return code;
+gw_swap_skew *gw_gate_swaps(gw_gate *gate) {
+    return &gate->swaps;
 }
 
-gw_code gw_gate_release(gw_gate *gate, const gw_release *release, gw_error *error) {
-    gw_code code = GW_OK;
-    for (uint32_t i = 1; i < gate->count && !code; i++) {
-        member *m = &gate->members[i];
-        m->tile.complete = 0;
-        if (m->tile.state == GW_TILE_LIVE)
-            code = send_release(m, release, error);
+/* --- faults
+ * ----------------------------------------------------------------------------------------------------- */
+
+static void tell(const gw_gate *gate, const member *m, const char *what) {
+    gw_log_write(gate->log, GW_LOG_WARNING, "tile %s (rank %d) %s frame %" PRIu32 ": %s",
+                 gate->layout->tiles[m->rank].name, m->rank, what,
+                 gate->current.state.frame + (m->tile.state == GW_TILE_LOST && m->tile.complete),
+                 m->tile.fault);
+}
+
+static void name_fault(member *m, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void name_fault(member *m, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(m->tile.fault, sizeof m->tile.fault, format, arguments);
+    va_end(arguments);
+}
+
+static void lose(gw_gate *gate, member *m) {
+    m->tile.state = GW_TILE_LOST;
+    m->tile.lost_frame = gate->current.number + (m->tile.complete != 0);
+    m->tile.lost++;
+    m->kept_up = 0;
+    tell(gate, m, "is lost since");
+}
+
+static void break_wire(gw_gate *gate, member *m, const char *why) {
+    m->wire->close(m->wire);
+    m->wire = NULL;
+    m->outstanding = m->pixels_due = 0;
+    if (m->tile.state != GW_TILE_LOST) {
+        name_fault(m, "%s", why);
+        lose(gate, m);
     }
-    return code;
 }
 
-static gw_code expect_pixels(member *m, gw_error *error) {
-    size_t left = m->pixel_bytes - m->received;
-    m->stage = EXPECT_PIXELS;
-    return gw_mpi_check(MPI_Irecv(m->tile.pixels + m->received, left < CHUNK_BYTES ? (int)left : CHUNK_BYTES,
-                                  MPI_BYTE, m->rank, TAG_PIXELS, MPI_COMM_WORLD, &m->receiving),
-                        "expecting a tile's pixels", error);
+void gw_gate_tile_died(gw_gate *gate, uint32_t tile, const char *how) {
+    member *m = tile > 0 && tile < gate->count ? &gate->members[tile] : NULL;
+    if (m && m->wire && !m->left)
+        break_wire(gate, m, how);
 }
 
-/* What a tile is waited for has come: go to its next stage. */
-static gw_code advance(member *m, gw_error *error) {
-    m->heard = gw_now_ns();
-    if (m->stage == EXPECT_DONE) {
-        m->tile.done = m->incoming;
-        m->tile.done.text[sizeof m->tile.done.text - 1] = '\0';
-        m->received = 0;
-        if (m->release.pixels && m->tile.done.code == GW_OK)
-            return expect_pixels(m, error);
-    } else if (m->stage == EXPECT_PIXELS) {
-        m->received +=
-            m->pixel_bytes - m->received < CHUNK_BYTES ? m->pixel_bytes - m->received : CHUNK_BYTES;
-        if (m->received < m->pixel_bytes)
-            return expect_pixels(m, error);
+/* Silent beyond its time: says what can be seen of it. */
+static void lose_silent(gw_gate *gate, member *m, int64_t now) {
+    const double seconds = (double)(now - m->heard) * 1e-9;
+    switch (m->here ? gw_process_look(&m->process) : GW_PROCESS_UNKNOWN) {
+    case GW_PROCESS_GONE:
+        break_wire(gate, m, "its process died");
+        return;
+    case GW_PROCESS_STOPPED:
+        name_fault(m, "its process is stopped; nothing came from it for %.1f s", seconds);
+        break;
+    case GW_PROCESS_RUNS:
+        name_fault(m, "it hangs: its process runs, but its drawing did not go on for %.1f s", seconds);
+        break;
+    case GW_PROCESS_UNKNOWN:
+        name_fault(m, "nothing came from it for %.1f s: it hangs, is stopped, or its host is cut off",
+                   seconds);
     }
-    m->stage = EXPECT_NOTHING;
-    m->tile.complete = 1;
-    return GW_OK;
+    lose(gate, m);
 }
 
-/* One look at every tile that is waited for; *waiting counts those, *moved says that something came. */
-static gw_code look(gw_gate *gate, uint32_t *waiting, int *moved, gw_error *error) {
-    *waiting = 0;
-    *moved = 0;
+static void note_late(gw_gate *gate, member *m, int64_t now) {
+    m->tile.state = GW_TILE_LATE;
+    m->kept_up = 0;
+    if (m->here && gw_process_look(&m->process) == GW_PROCESS_STOPPED)
+        name_fault(m, "its process is stopped; the others go on without it");
+    else if (now - m->heard > DEAF_MS * millisecond)
+        name_fault(m, "nothing was heard of it for %.0f ms; the others go on without it",
+                   (double)(now - m->heard) * 1e-6);
+    else
+        name_fault(m, "it is slow, at work for %.0f ms; the others go on without it",
+                   (double)(now - m->released_at) * 1e-6);
+    tell(gate, m, "is late since");
+}
+
+/* --- listening
+ * -------------------------------------------------------------------------------------------------- */
+
+static void ring(const gw_gate *gate, const member *m) {
+    if (m->here)
+        gw_bell_ring(&gate->bell, m->rank);
+}
+
+static gw_wire_result send(gw_gate *gate, member *m, gw_release *release) {
+    release->clock = gw_now_ns();
+    gw_wire_result result = m->wire->send(m->wire, release, sizeof *release);
+    if (result == GW_WIRE_DONE)
+        ring(gate, m);
+    else if (result == GW_WIRE_BROKEN)
+        break_wire(gate, m, "the line to it broke");
+    return result;
+}
+
+static void send_pong(gw_gate *gate, member *m, int64_t silence) {
+    gw_release pong = {.kind = GW_RELEASE_PONG,
+                       .number = gate->current.number,
+                       .silence_ms = (uint32_t)(silence / millisecond),
+                       .echo = m->echo};
+    if (send(gate, m, &pong) == GW_WIRE_DONE) {
+        m->pong_due = 0;
+        m->echo = 0;
+    }
+}
+
+/* A tile that was given up has spoken. */
+static void take_back(gw_gate *gate, member *m) {
+    m->tile.state = GW_TILE_LATE;
+    m->tile.returned++;
+    name_fault(m, "was lost, and came back");
+    tell(gate, m, "takes part again from");
+}
+
+/* The frame in work is whole on this tile. */
+static void complete(gw_gate *gate, member *m) {
+    m->outstanding = m->pixels_due = 0;
+    m->tile.complete = m->released == gate->current.number;
+    if (m->tile.state != GW_TILE_LATE)
+        return;
+    m->kept_up = m->tile.complete ? m->kept_up + 1 : 0;
+    if (m->kept_up >= m->probation) {
+        m->tile.state = GW_TILE_LIVE;
+        /* The more often it was late, the longer it must prove itself, so that it costs ever less. */
+        m->probation = m->probation < 96 ? 2 * m->probation : m->probation;
+        gw_log_write(gate->log, GW_LOG_INFO, "tile %s keeps up again", gate->layout->tiles[m->rank].name);
+    }
+}
+
+static void take_presented(gw_gate *gate, member *m) {
+    const gw_answer *answer = &m->incoming;
+    /* A picture that a late tile shows after its time is no part of the wall's swap. */
+    const uint32_t next = answer->kind == GW_ANSWER_LEFT ? gate->next : answer->number;
+    m->tile.presented += answer->presented > 0;
+    if (answer->presented && answer->presented == next)
+        gw_swap_skew_note(&gate->swaps, answer->presented - 1, answer->presented_at, answer->clock_error);
+}
+
+static void take_answer(gw_gate *gate, member *m) {
+    gw_answer *answer = &m->incoming;
+    m->silence = answer->silence_ms * millisecond;
+    m->tile.processor = answer->processor;
+    if (answer->kind == GW_ANSWER_BEAT) {
+        m->pong_due = 1;
+        m->echo = answer->beat;
+        return;
+    }
+    take_presented(gate, m);
+    if (answer->kind == GW_ANSWER_LEFT) {
+        m->left = 1;
+        m->outstanding = 0;
+        return;
+    }
+    if (!m->outstanding || answer->number != m->released) {
+        break_wire(gate, m, "it answered what it was not asked");
+        return;
+    }
+    m->tile.done = answer->done;
+    m->pixels_due = answer->pixels != 0;
+    if (!m->pixels_due)
+        complete(gate, m);
+}
+
+/* Sends it the frame in work, unless something else is still on its way to it. */
+static void send_due(gw_gate *gate, member *m) {
+    if (!m->due || send(gate, m, &gate->current) != GW_WIRE_DONE)
+        return;
+    m->due = 0;
+    m->outstanding = 1;
+    m->released = gate->current.number;
+    m->released_at = gate->current.clock;
+    m->silence = 0;
+}
+
+/* Everything that has come from one tile; 1 when something had. */
+static int listen_to(gw_gate *gate, member *m) {
+    int moved = 0;
+    while (m->wire && !m->left) {
+        size_t size = 0;
+        int block = m->pixels_due;
+        gw_wire_result result = block ? m->wire->receive_block(m->wire, m->tile.pixels, m->pixel_bytes)
+                                      : m->wire->receive(m->wire, &m->incoming, &size);
+        if (result == GW_WIRE_NOT_YET)
+            break;
+        if (result == GW_WIRE_BROKEN || (!block && !gw_answer_check(&m->incoming, size))) {
+            break_wire(gate, m, "the line to it broke");
+            return 1;
+        }
+        moved = 1;
+        m->heard = gw_now_ns();
+        if (m->tile.state == GW_TILE_LOST && gate->live)
+            take_back(gate, m);
+        if (block)
+            complete(gate, m);
+        else
+            take_answer(gate, m);
+    }
+    if (m->wire)
+        send_due(gate, m);
+    if (m->wire && m->pong_due)
+        send_pong(gate, m, gate->silence);
+    return moved;
+}
+
+static int is_listened_to(const gw_gate *gate, const member *m) {
+    return m->wire && !m->left && (m->tile.state != GW_TILE_LOST || gate->live);
+}
+
+/* One look at all tiles; 1 when something had come. */
+static int look(gw_gate *gate) {
+    int moved = 0;
+    int64_t now = gw_now_ns(), deaf = now - gate->looked;
+    uint32_t dead;
+    while (gate->died && gate->died(gate->died_context, &dead))
+        gw_gate_tile_died(gate, dead, "its process died");
     for (uint32_t i = 1; i < gate->count; i++) {
         member *m = &gate->members[i];
-        if (m->tile.state != GW_TILE_LIVE || m->stage == EXPECT_NOTHING)
-            continue;
-        int received = 0, sent = 0;
-        gw_code code =
-            gw_mpi_check(MPI_Test(&m->sending, &sent, MPI_STATUS_IGNORE), "releasing a frame", error);
-        if (!code && sent)
-            code = gw_mpi_check(MPI_Test(&m->receiving, &received, MPI_STATUS_IGNORE), "expecting a tile",
-                                error);
-        if (!code && received) {
-            code = advance(m, error);
-            *moved = 1;
-        }
-        if (code)
-            return code;
-        *waiting += m->stage != EXPECT_NOTHING;
+        if (deaf > DEAF_MS * millisecond)
+            m->heard += deaf; /* nobody listened meanwhile */
+        if (is_listened_to(gate, m))
+            moved |= listen_to(gate, m);
     }
-    return GW_OK;
+    gate->looked = now;
+    return moved;
 }
 
-gw_code gw_gate_collect(gw_gate *gate, int64_t patience, uint32_t *lost, gw_error *error) {
-    *lost = 0;
-    int64_t nap = 0, begin = gw_now_ns();
-    for (;;) {
-        uint32_t waiting;
-        int moved;
-        gw_code code = look(gate, &waiting, &moved, error);
-        if (code || !waiting)
-            return code;
-        if (moved) {
-            nap = 0;
+/* --- a frame
+ * ---------------------------------------------------------------------------------------------------- */
+
+void gw_gate_release(gw_gate *gate, gw_release *release) {
+    release->kind = GW_RELEASE_FRAME;
+    release->number = gate->next++;
+    release->silence_ms = (uint32_t)(gate->silence / millisecond);
+    release->echo = release->reserved = 0;
+    gate->current = *release;
+    for (uint32_t i = 1; i < gate->count; i++)
+        gate->members[i].tile.complete = gate->members[i].due = 0;
+    look(gate);
+    for (uint32_t i = 1; i < gate->count; i++) {
+        member *m = &gate->members[i];
+        if (!m->wire || m->left || m->tile.state == GW_TILE_LOST)
+            continue;
+        if (!m->outstanding) {
+            m->due = 1;
+            m->heard = m->looked = gw_now_ns();
+            send_due(gate, m);
+        }
+    }
+}
+
+void gw_gate_attend(gw_gate *gate, int64_t silence) {
+    look(gate);
+    for (uint32_t i = 1; i < gate->count && silence; i++) {
+        member *m = &gate->members[i];
+        if (is_listened_to(gate, m))
+            send_pong(gate, m, silence + gate->silence);
+    }
+}
+
+/* Something is to come from it. */
+static int is_busy(const member *m) {
+    return m->wire && (m->outstanding || m->due) && m->tile.state != GW_TILE_LOST;
+}
+
+static int is_waited_for(const gw_gate *gate, const member *m, const gw_patience *patience) {
+    if (!is_busy(m))
+        return 0;
+    return !patience->live ||
+           (m->tile.state == GW_TILE_LIVE && (m->due || m->released == gate->current.number));
+}
+
+/* Whose time is over? Returns how many are still waited for. */
+static uint32_t judge(gw_gate *gate, const gw_patience *patience, int64_t begin) {
+    uint32_t waiting = 0;
+    int64_t now = gw_now_ns();
+    for (uint32_t i = 1; i < gate->count; i++) {
+        member *m = &gate->members[i];
+        if (!is_busy(m))
+            continue;
+        if (now - m->heard > (m->silence > patience->death ? m->silence : patience->death)) {
+            lose_silent(gate, m, now);
             continue;
         }
-        int64_t now = gw_now_ns();
-        for (uint32_t i = 1; i < gate->count; i++) {
-            member *m = &gate->members[i];
-            /* Not counted from the release: rank 0 drew its own tile meanwhile and listened to nobody. */
-            int64_t since = m->heard > begin ? m->heard : begin;
-            if (m->tile.state == GW_TILE_LIVE && m->stage != EXPECT_NOTHING && now - since > patience) {
-                m->tile.state = GW_TILE_LOST;
-                m->tile.lost_frame = m->release.state.frame;
-                (*lost)++;
+        if (m->here && now - m->looked > LOOK_MS * millisecond) {
+            m->looked = now;
+            if (gw_process_look(&m->process) == GW_PROCESS_GONE) {
+                break_wire(gate, m, "its process died");
+                continue;
             }
         }
-        gw_mpi_nap(&nap);
+        if (is_waited_for(gate, m, patience) && patience->live && now - begin > patience->frame)
+            note_late(gate, m, now);
+        waiting += (uint32_t)is_waited_for(gate, m, patience);
     }
+    return waiting;
+}
+
+/* Until something comes. */
+static void rest(gw_gate *gate, int moved, int64_t until) {
+    int bells = 1;
+    for (uint32_t i = 1; i < gate->count; i++) {
+        const member *m = &gate->members[i];
+        if (is_busy(m) && (!m->here || m->due || m->pixels_due))
+            bells = 0;
+    }
+    const int64_t most = bells ? BELL_NAP_MS * 1000 : LONG_NAP_US, least = bells ? most : SHORT_NAP_US;
+    gate->nap = moved || gate->nap < least ? least : 2 * gate->nap;
+    gate->nap = gate->nap > most ? most : gate->nap;
+    int64_t left = until - gw_now_ns(), nap = 1000 * gate->nap;
+    gw_bell_wait(&gate->bell, left < 0 ? 0 : left < nap ? left : nap, NULL, 0);
+}
+
+void gw_gate_collect(gw_gate *gate, const gw_patience *patience) {
+    int64_t begin = gw_now_ns();
+    gate->nap = 0;
+    for (;;) {
+        int moved = look(gate);
+        if (!judge(gate, patience, begin))
+            break;
+        if (!moved)
+            rest(gate, moved, patience->live ? begin + patience->frame : INT64_MAX);
+    }
+    for (uint32_t i = 1; i < gate->count; i++) {
+        member *m = &gate->members[i];
+        int released = m->outstanding && m->released == gate->current.number;
+        m->tile.missed = m->tile.complete                ? GW_MISSED_NOT
+                         : m->tile.state == GW_TILE_LOST ? GW_MISSED_LOST
+                         : released                      ? GW_MISSED_LATE
+                                                         : GW_MISSED_SKIPPED;
+        m->tile.late += m->tile.missed == GW_MISSED_LATE;
+        m->tile.skipped += m->tile.missed == GW_MISSED_SKIPPED;
+    }
+}
+
+/* Sends the word to those that could not take it before; returns how many have not left. */
+static uint32_t say_quit(gw_gate *gate) {
+    gw_release quit = {.kind = GW_RELEASE_QUIT, .number = gate->next};
+    uint32_t waiting = 0;
+    for (uint32_t i = 1; i < gate->count; i++) {
+        member *m = &gate->members[i];
+        if (!m->wire || m->left)
+            continue;
+        /* A lost one may only be slow: the word waits for it in its queue. */
+        if (!m->told && send(gate, m, &quit) == GW_WIRE_DONE)
+            m->told = 1;
+        waiting += m->wire && m->tile.state != GW_TILE_LOST;
+    }
+    return waiting;
 }
 
 void gw_gate_quit(gw_gate *gate) {
-    gw_error ignored = {0};
-    gw_release quit = {.kind = GW_RELEASE_QUIT};
-    for (uint32_t i = 1; i < gate->count; i++) {
-        member *m = &gate->members[i];
-        if (m->tile.state == GW_TILE_LIVE) {
-            send_release(m, &quit, &ignored);
-        } else {
-            /* It may only be slow: the word waits for it in its queue. Its last release may still be on its
-             * way, so that one's memory is left alone. */
-            MPI_Request forgotten;
-            static const gw_release last_word = {.kind = GW_RELEASE_QUIT};
-            if (MPI_Isend(&last_word, (int)sizeof last_word, MPI_BYTE, m->rank, TAG_RELEASE, MPI_COMM_WORLD,
-                          &forgotten) == MPI_SUCCESS)
-                MPI_Request_free(&forgotten);
-        }
+    look(gate);
+    say_quit(gate);
+}
+
+void gw_gate_wait_until_left(gw_gate *gate) {
+    int64_t deadline = gw_now_ns() + QUIT_PATIENCE_MS * millisecond;
+    gate->nap = 0;
+    for (;;) {
+        int moved = look(gate);
+        if (!say_quit(gate) || gw_now_ns() > deadline)
+            return;
+        if (!moved)
+            rest(gate, moved, deadline);
     }
-    uint32_t lost;
-    gw_gate_collect(gate, QUIT_PATIENCE_MS * INT64_C(1000000), &lost, &ignored);
-}
-
-gw_code gw_gate_wait(gw_release *out, int64_t patience, gw_error *error) {
-    MPI_Request request;
-    gw_code code =
-        gw_mpi_check(MPI_Irecv(out, (int)sizeof *out, MPI_BYTE, 0, TAG_RELEASE, MPI_COMM_WORLD, &request),
-                     "waiting for rank 0", error);
-    return code ? code : gw_mpi_wait(&request, gw_now_ns() + patience, "waiting for rank 0", error);
-}
-
-static gw_code send_patiently(const void *data, int size, int tag, gw_error *error) {
-    MPI_Request request;
-    gw_code code = gw_mpi_check(MPI_Isend(data, size, MPI_BYTE, 0, tag, MPI_COMM_WORLD, &request),
-                                "answering rank 0", error);
-    return code ? code : gw_mpi_wait(&request, 0, "answering rank 0", error);
-}
-
-gw_code gw_gate_answer(const gw_done *done, const uint8_t *pixels, size_t size, gw_error *error) {
-    gw_code code = send_patiently(done, (int)sizeof *done, TAG_DONE, error);
-    for (size_t offset = 0; pixels && offset < size && !code; offset += CHUNK_BYTES) {
-        size_t left = size - offset;
-        code =
-            send_patiently(pixels + offset, left < CHUNK_BYTES ? (int)left : CHUNK_BYTES, TAG_PIXELS, error);
-    }
-    return code;
-}
-
-void gw_gate_leave(void) {
-    gw_error ignored = {0};
-    gw_done left = {0};
-    send_patiently(&left, (int)sizeof left, TAG_LEFT, &ignored);
 }

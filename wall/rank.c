@@ -7,6 +7,8 @@
 #include "wall/conductor.h"
 #include "wall/interrupt.h"
 #include "wall/mpi_wait.h"
+#include "wall/notice.h"
+#include "wall/picture.h"
 #include "wall/rank_device.h"
 #include "wall/stereo.h"
 #include "wall/tile_picture.h"
@@ -19,6 +21,8 @@
 #include <string.h>
 #include <unistd.h>
 
+enum { ATTEND_MS = 20 }; /* how often rank 0 listens while it draws */
+
 static const gw_tile *own_tile(const gw_rank *rank) {
     return &rank->site.layout.tiles[rank->number];
 }
@@ -30,27 +34,64 @@ static gw_stereo own_stereo(const gw_rank *rank) {
 /* --- a frame
  * ---------------------------------------------------------------------------------------------------- */
 
-void gw_rank_draw(gw_rank *rank, const gw_release *release, gw_done *done) {
+static gw_code draw(gw_rank *rank, const gw_release *release, gw_done *done, gw_error *error) {
     const gw_tile *tile = own_tile(rank);
-    gw_error error = {0};
-    memset(done, 0, sizeof *done);
-    done->frame = release->state.frame;
-    int64_t begin = gw_now_ns();
     const gw_layout *layout = &rank->site.layout;
     gw_similarity placement;
-    gw_code code = gw_place_frame(&rank->share.scene.scene, &release->state, layout->size[0], layout->size[1],
-                                  layout->centre, layout->eye, &placement, &error);
+    int64_t begin = gw_now_ns();
+    gw_code code = gw_tile_fault_strike(rank->options.tile_faults, rank->options.tile_fault_count,
+                                        (uint32_t)rank->number, release->number, error);
+    if (code || rank->options.gate_only)
+        return code;
+    code = gw_place_frame(&rank->share.scene.scene, &release->state, layout->size[0], layout->size[1],
+                          layout->centre, layout->eye, &placement, error);
     if (!code)
         code = gw_stereo_draw(rank->renderer, &placement, own_stereo(rank), tile, &release->state,
-                              rank->eye_pixels, rank->pixels, &done->counters, &error);
+                              rank->eye_pixels, rank->pixels, &done->counters, error);
     done->render_ns = gw_now_ns() - begin;
     if (!code && release->predict)
         code = gw_stereo_predict(&rank->share.scene.scene, &rank->share.octree, &placement, own_stereo(rank),
-                                 tile, &release->state, &done->predicted, &error);
+                                 tile, &release->state, &done->predicted, error);
     if (!code && rank->options.out && gw_tile_writes_itself(rank, (uint32_t)rank->number))
-        code = gw_tile_write_pictures(rank, (uint32_t)rank->number, rank->pixels, release, &error);
-    done->code = (int32_t)code;
+        code = gw_tile_write_pictures(rank, (uint32_t)rank->number, rank->pixels, release, error);
+    return code ? code : gw_present_stage(rank->present, rank->pixels, error);
+}
+
+void gw_rank_draw(gw_rank *rank, const gw_release *release, gw_done *done) {
+    gw_error error = {0};
+    memset(done, 0, sizeof *done);
+    done->frame = release->state.frame;
+    done->code = (int32_t)draw(rank, release, done, &error);
     snprintf(done->text, sizeof done->text, "%s", error.text);
+    rank->drawn = done->code ? 0 : release->number + 1;
+}
+
+int gw_rank_present(gw_rank *rank, uint32_t *number, int64_t *when) {
+    if (!rank->drawn)
+        return 0;
+    *number = rank->drawn - 1;
+    *when = gw_present_show(rank->present);
+    rank->drawn = 0;
+    return 1;
+}
+
+/* Instead of a frozen frame: why this tile ends. Nothing more can be done about a failure here. */
+static void show_notice(gw_rank *rank, const char *reason) {
+    const gw_tile *tile = own_tile(rank);
+    const gw_rectangle *rectangle = &tile->rectangle;
+    gw_error ignored = {0};
+    gw_image image;
+    if (!rectangle->width || gw_notice_draw(rectangle->width, rectangle->height, tile->name, rank->number,
+                                            reason, &image, &ignored))
+        return;
+    if (!gw_present_stage(rank->present, image.rgba, &ignored))
+        gw_present_show(rank->present);
+    char *path =
+        rank->options.out ? gw_picture_path(rank->options.out, "tile-%s-notice.png", tile->name) : NULL;
+    if (path)
+        gw_image_write_png(path, &image, "Gazewall " GW_VERSION ", notice", &ignored);
+    free(path);
+    gw_image_finish(&image);
 }
 
 /* --- before frame 1
@@ -69,6 +110,7 @@ static gw_code spread_site(gw_rank *rank, gw_error *error) {
     if (!code && rank->site.layout.tile_count != (uint32_t)rank->size)
         code = gw_fail(error, GW_MACHINE, "the wall has %" PRIu32 " tiles, but MPI started %d ranks",
                        rank->site.layout.tile_count, rank->size);
+    rank->load_deadline = rank->begin + (int64_t)(gw_sim_times(&rank->options, &rank->site).load * 1e9);
     return code;
 }
 
@@ -120,7 +162,23 @@ static gw_code load(gw_rank *rank, gw_conductor *conductor, gw_error *error) {
     return code;
 }
 
-static gw_code get_ready(gw_rank *rank, gw_conductor *conductor, gw_error *error) {
+/* Between slices of long work: whoever waits for this rank learns that it lives. */
+static void pulse(void *context, double silence) {
+    gw_rank *rank = context;
+    if (rank->number > 0) {
+        gw_gate_client_pulse(&rank->gate, silence);
+        return;
+    }
+    int64_t now = gw_now_ns();
+    if (silence > 0)
+        gw_link_promise(&rank->line, silence + 10);
+    if (silence > 0 || now - rank->attended > ATTEND_MS * INT64_C(1000000))
+        gw_gate_attend(rank->conducted, (int64_t)(silence * 1e9));
+    rank->attended = now;
+}
+
+/* The device, the renderer and the pixels of this rank's tile. */
+static gw_code prepare_drawing(gw_rank *rank, gw_conductor *conductor, gw_error *error) {
     gw_code code = load(rank, conductor, error);
     if (code)
         return code;
@@ -148,6 +206,17 @@ static gw_code get_ready(gw_rank *rank, gw_conductor *conductor, gw_error *error
         gw_allocate((void **)&rank->pixels, (size_t)rectangle->width * rectangle->height, 4, "pixels", error);
     if (!code && scratch)
         code = gw_allocate((void **)&rank->eye_pixels, scratch, 1, "pixels of an eye", error);
+    /* The window of the whole wall is the pilot's. */
+    if (!code && rank->options.windows != GW_WINDOWS_WALL)
+        code = gw_present_open(rank->model.device, &rank->site.panels[rank->number], rectangle->width,
+                               rectangle->height, &rank->present, error);
+    if (!code)
+        gw_gl_set_pulse(rank->model.device, pulse, rank);
+    return code;
+}
+
+static gw_code get_ready(gw_rank *rank, gw_conductor *conductor, gw_error *error) {
+    gw_code code = rank->options.gate_only ? GW_OK : prepare_drawing(rank, conductor, error);
     if (code)
         return code;
     gw_log_write(&rank->line.log, GW_LOG_DEBUG, "rank %d draws tile %s in process %ld", rank->number,
@@ -164,21 +233,28 @@ static gw_code get_ready(gw_rank *rank, gw_conductor *conductor, gw_error *error
 
 /* Ranks above 0: draws what rank 0 releases until it says quit. */
 static gw_code follow(gw_rank *rank, gw_error *error) {
-    const int64_t patience = (int64_t)(rank->options.load_deadline * 1e9);
     const gw_rectangle *rectangle = &own_tile(rank)->rectangle;
     const size_t size = (size_t)rectangle->width * rectangle->height * 4;
     for (;;) {
         gw_release release;
-        gw_code code = gw_gate_wait(&release, patience, error);
+        uint32_t shown;
+        int64_t when;
+        gw_code code = gw_gate_client_wait(&rank->gate, &release, error);
         if (code)
             return code;
+        if (gw_rank_present(rank, &shown, &when))
+            gw_gate_client_presented(&rank->gate, shown, when);
         if (release.kind == GW_RELEASE_QUIT) {
-            gw_gate_leave();
+            gw_gate_client_leave(&rank->gate);
             return GW_OK;
         }
-        gw_done done;
+        static gw_done done;
         gw_rank_draw(rank, &release, &done);
-        code = gw_gate_answer(&done, done.code || !release.pixels ? NULL : rank->pixels, size, error);
+        const int pixels = !done.code && release.pixels;
+        code = gw_gate_client_answer(&rank->gate, &done, pixels ? rank->pixels : NULL, size, error);
+        /* A live wall goes on without a tile that cannot draw; otherwise rank 0 ends the run. */
+        if (!code && done.code && rank->options.live)
+            code = gw_fail(error, (gw_code)done.code, "%s", done.text);
         if (code)
             return code;
     }
@@ -223,10 +299,15 @@ static gw_code run(gw_rank *rank, int argc, char **argv, gw_error *error) {
         code = spread_site(rank, error);
     if (!code && rank->number == 0)
         code = gw_conductor_init(&conductor, rank, argc, argv, error);
+    else if (!code)
+        code = gw_gate_client_open(&rank->gate, &rank->share, rank->number, rank->load_deadline, error);
+    rank->conducted = conductor.gate;
     if (!code)
         code = get_ready(rank, &conductor, error);
     if (!code)
         code = rank->number == 0 ? gw_conductor_run(&conductor, rank, error) : follow(rank, error);
+    if (code && code != GW_TILES_LOST)
+        show_notice(rank, error->text);
     return code;
 }
 
@@ -243,7 +324,9 @@ int gw_verb_rank(int argc, char **argv) {
         fprintf(stderr, "gazewall rank: %s\n", error.text);
         return (int)code;
     }
-    rank.load_deadline = gw_now_ns() + (int64_t)(rank.options.load_deadline * 1e9);
+    /* Until the site is known, which has times of its own. */
+    rank.begin = gw_now_ns();
+    rank.load_deadline = rank.begin + INT64_C(600000000000);
     code = start_mpi(&rank, &error);
     if (!code)
         code = run(&rank, argc, argv, &error);

@@ -7,8 +7,10 @@
 #include "render/renderer.h"
 #include "wall/build_together.h"
 #include "wall/gate.h"
+#include "wall/gate_client.h"
 #include "wall/link.h"
 #include "wall/model.h"
+#include "wall/present.h"
 #include "wall/share.h"
 #include "wall/sim_options.h"
 #include "wall/site.h"
@@ -23,15 +25,24 @@ typedef struct gw_rank {
     gw_share share;
     gw_together together; /* rank 0: who built the octree */
     gw_renderer *renderer;
-    int number;            /* rank, and index of its tile */
-    int size;              /* ranks */
-    int64_t load_deadline; /* gw_now_ns clock */
-    uint8_t *pixels;       /* of its tile, [height][width][4] */
-    uint8_t *eye_pixels;   /* of one eye, where the tile shows two; else NULL */
+    int number;                   /* rank, and index of its tile */
+    int size;                     /* ranks */
+    int64_t begin, load_deadline; /* gw_now_ns clock */
+    uint8_t *pixels;              /* of its tile, [height][width][4] */
+    uint8_t *eye_pixels;          /* of one eye, where the tile shows two; else NULL */
+    gw_gate_client gate;          /* ranks above 0 */
+    gw_gate *conducted;           /* rank 0 */
+    int64_t attended;             /* ns, when rank 0 last listened while it drew */
+    gw_present *present;          /* of its tile; NULL: headless */
+    uint32_t drawn;               /* number + 1 of the frame in pixels that is not presented yet; 0: none */
 } gw_rank;
 
 /* Draws this rank's tile for a release and writes its picture if the run has a folder for pictures. A failure
  * is told in done->code and done->text. */
 void gw_rank_draw(gw_rank *rank, const gw_release *release, gw_done *done);
+
+/* Presents what was drawn last: 1, and its frame's number and when that was (gw_now_ns clock). 0 when it has
+ * been presented already. */
+int gw_rank_present(gw_rank *rank, uint32_t *number, int64_t *when);
 
 #endif

@@ -9,27 +9,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const keys[] = {"version",
-                                   "command",
-                                   "device",
-                                   "scene",
-                                   "octree",
-                                   "memory",
-                                   "tiles",
-                                   "frames",
-                                   "ended",
-                                   "frame_ms",
-                                   "counters",
-                                   "effects",
-                                   "profile",
-                                   "settings",
-                                   "predicted_error",
-                                   "latency_ms",
-                                   "swap_skew_ms",
-                                   "tracking",
-                                   "float_environment",
-                                   "build",
-                                   "image"};
+static const char *const keys[] = {"version",    "command", "device",       "scene",    "octree",
+                                   "memory",     "tiles",   "frames",       "ended",    "frame_ms",
+                                   "counters",   "effects", "profile",      "settings", "predicted_error",
+                                   "latency_ms", "gate",    "swap_skew_ms", "tracking", "float_environment",
+                                   "build",      "image"};
 
 static json_t *command_text(int argc, char **argv) {
     size_t size = 1;
@@ -236,19 +220,33 @@ void gw_report_track(json_t *report, const gw_track *track) {
                                   "out_of_order", count(c->out_of_order)));
 }
 
-void gw_report_tiles(json_t *report, const gw_layout *layout, const int64_t *lost_frame) {
+void gw_report_tiles(json_t *report, const gw_layout *layout, const gw_tile_record *records) {
     json_t *tiles = json_array();
     for (uint32_t i = 0; i < layout->tile_count; i++) {
         const gw_tile *tile = &layout->tiles[i];
-        int lost = lost_frame[i] >= 0;
+        const gw_tile_record *r = &records[i];
         json_array_append_new(
-            tiles, json_pack("{s:s, s:o, s:s, s:i, s:b, s:o, s:[I,I,I,I]}", "name", tile->name, "rank",
-                             count(i), "state", lost ? "lost" : "live", "late", 0, "lost", lost, "lost_frame",
-                             lost ? json_integer(lost_frame[i]) : json_null(), "picture",
-                             (json_int_t)tile->picture[0], (json_int_t)tile->picture[1],
-                             (json_int_t)tile->rectangle.width, (json_int_t)tile->rectangle.height));
+            tiles,
+            json_pack("{s:s, s:o, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:[I,I,I,I]}", "name",
+                      tile->name, "rank", count(i), "state", r->state, "presented", count(r->presented),
+                      "late", count(r->late), "skipped", count(r->skipped), "lost", count(r->lost),
+                      "returned", count(r->returned), "lost_frame",
+                      r->lost ? count(r->lost_frame) : json_null(), "fault",
+                      r->fault && r->fault[0] ? text_or_null(r->fault) : json_null(), "processor_ms",
+                      r->processor_ms, "picture", (json_int_t)tile->picture[0], (json_int_t)tile->picture[1],
+                      (json_int_t)tile->rectangle.width, (json_int_t)tile->rectangle.height));
     }
     json_object_set_new(report, "tiles", tiles);
+}
+
+void gw_report_gate(json_t *report, int live, const gw_site_times *times, const gw_swap_skew *swaps,
+                    double *median, double *maximum) {
+    json_object_set_new(report, "gate",
+                        json_pack("{s:s, s:{s:f, s:o, s:f, s:f}}", "mode", live ? "live" : "lock-step",
+                                  "times", "load_s", times->load, "frame_s",
+                                  times->frame > 0 ? json_real(times->frame) : json_null(), "death_s",
+                                  times->death, "refresh_hz", times->refresh));
+    json_object_set_new(report, "swap_skew_ms", gw_swap_skew_json(swaps, median, maximum));
 }
 
 static int compare(const void *a, const void *b) {

@@ -15,6 +15,8 @@
 #include "tracking/track.h"
 #include "wall/build_together.h"
 #include "wall/layout.h"
+#include "wall/site.h"
+#include "wall/swap_skew.h"
 
 #include <jansson.h>
 #include <stddef.h>
@@ -40,8 +42,20 @@ void gw_report_predicted_error(json_t *report, const gw_predicted_error *predict
                                const gw_frame_state *last, json_t *budget);
 void gw_report_track(json_t *report, const gw_track *track);
 
-/* lost_frame[i] is the frame at which tile i was lost, or -1. */
-void gw_report_tiles(json_t *report, const gw_layout *layout, const int64_t *lost_frame);
+/* What became of a tile (wall/gate.h). */
+typedef struct gw_tile_record {
+    const char *state;                 /* live, late, lost */
+    uint32_t presented, late, skipped; /* frames */
+    uint32_t lost, returned;           /* times */
+    uint32_t lost_frame;               /* where it was last lost, if it was */
+    const char *fault;                 /* NULL or "": none */
+    double processor_ms;               /* that its rank has used */
+} gw_tile_record;
+/* A record for each tile. */
+void gw_report_tiles(json_t *report, const gw_layout *layout, const gw_tile_record *records);
+/* gate and swap_skew_ms; the median and the largest skew (ms) come back for the summary. */
+void gw_report_gate(json_t *report, int live, const gw_site_times *times, const gw_swap_skew *swaps,
+                    double *median, double *maximum);
 
 typedef struct gw_spread {
     double median, p95, maximum, minimum;

@@ -104,6 +104,17 @@ gw_code gw_choose_gaze(gw_gaze_choice *choice, gw_gaze_choice wanted, gw_error *
     return GW_OK;
 }
 
+gw_site_times gw_sim_times(const gw_sim_options *options, const gw_site *site) {
+    gw_site_times times = site->times;
+    if (options->load_deadline > 0)
+        times.load = options->load_deadline;
+    if (options->death_deadline > 0)
+        times.death = options->death_deadline;
+    if (options->frame_deadline > 0)
+        times.frame = options->frame_deadline;
+    return times;
+}
+
 enum {
     KEY_TILES = 0x2000,
     KEY_SIZE,
@@ -128,6 +139,10 @@ enum {
     KEY_BUDGET_RAYS,
     KEY_LOAD_DEADLINE,
     KEY_FRAME_DEADLINE,
+    KEY_DEATH_DEADLINE,
+    KEY_LIVE,
+    KEY_GATE_ONLY,
+    KEY_TILE_FAULT,
     KEY_BUILDERS,
     KEY_BUILDER_FAULT,
     KEY_MACHINES,
@@ -201,10 +216,25 @@ static const struct argp_option sim_options[] = {
     {"input", KEY_INPUT, "FILE", 0,
      "steer by recorded keys and pointer moves (docs/windows.md), with or without a window", 5},
     {NULL, 0, NULL, 0, "Patience:", 12},
+    {"live", KEY_LIVE, NULL, 0,
+     "frames go on without tiles that are late, as 'gazewall wall' does without --out and --states; "
+     "otherwise every "
+     "frame waits until all tiles have it or are lost",
+     12},
     {"load-deadline", KEY_LOAD_DEADLINE, "SECONDS", 0,
-     "1 to 86400 s, default 600: all ranks must be ready by then", 12},
+     "1 to 86400 s, default the site's or 600: all ranks must be ready by then", 12},
     {"frame-deadline", KEY_FRAME_DEADLINE, "SECONDS", 0,
-     "0.1 to 3600 s: a tile silent for so long is lost; default: 20 median frames, at least 10 s", 12},
+     "with --live, 0.001 to 3600 s: how long a frame waits for a late tile once rank 0's is drawn; default "
+     "the "
+     "site's, or 3 periods of its refresh rate, or 2 median tiles where those take longer",
+     12},
+    {"death-deadline", KEY_DEATH_DEADLINE, "SECONDS", 0,
+     "0.1 to 3600 s: a tile silent for so long is lost; default the site's or 2 with --live, otherwise 20 "
+     "median "
+     "frames, at least 10 s",
+     12},
+    {"gate-only", KEY_GATE_ONLY, NULL, 0, "nothing is loaded or drawn: what the frame gate alone costs", 12},
+    {"tile-fault", KEY_TILE_FAULT, "KIND:TILE@FRAME", OPTION_HIDDEN, NULL, 0},
     {NULL, 0, NULL, 0, "Who works:", 4},
     {"builders", KEY_BUILDERS, "N", 0,
      "1 to 64: ranks that build the octree together, each a part of its cells, or 'auto' (default): one of "
@@ -313,8 +343,15 @@ static gw_code parse_frames(int key, const char *argument, gw_sim_options *optio
         return gw_parse_number("--budget-rays", argument, 1, 1e12, &options->budget_rays, error);
     case KEY_LOAD_DEADLINE:
         return gw_parse_number("--load-deadline", argument, 1, 86400, &options->load_deadline, error);
+    case KEY_DEATH_DEADLINE:
+        return gw_parse_number("--death-deadline", argument, 0.1, 3600, &options->death_deadline, error);
+    case KEY_TILE_FAULT:
+        if (options->tile_fault_count == GW_MAXIMUM_FAULTS)
+            return gw_fail(error, GW_BAD_INPUT, "--tile-fault is given more than %d times",
+                           GW_MAXIMUM_FAULTS);
+        return gw_tile_fault_parse(argument, &options->tile_faults[options->tile_fault_count++], error);
     default:
-        return gw_parse_number("--frame-deadline", argument, 0.1, 3600, &options->frame_deadline, error);
+        return gw_parse_number("--frame-deadline", argument, 0.001, 3600, &options->frame_deadline, error);
     }
 }
 
@@ -360,7 +397,15 @@ static error_t parse_sim(int key, char *argument, struct argp_state *state) {
     case KEY_BUDGET_RAYS:
     case KEY_LOAD_DEADLINE:
     case KEY_FRAME_DEADLINE:
+    case KEY_DEATH_DEADLINE:
+    case KEY_TILE_FAULT:
         code = parse_frames(key, argument, options, error);
+        break;
+    case KEY_LIVE:
+        options->live = 1;
+        break;
+    case KEY_GATE_ONLY:
+        options->gate_only = 1;
         break;
     case KEY_BUILDERS:
     case KEY_BUILDER_FAULT:
@@ -472,7 +517,6 @@ gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *he
     out->draw.keeps = 1;
     gw_wall_options_init(&out->wall, 2, 2);
     out->step = -1;
-    out->load_deadline = 600;
     out->cluster = !strcmp(argv[0], "wall");
     gw_code code = gw_arguments_parse(out->cluster ? &wall_argp : &sim_argp, argc, argv, out, helped, error);
     if (code || *helped)
@@ -481,8 +525,16 @@ gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *he
         return code;
     if (out->cluster && !out->headless && out->windows == GW_WINDOWS_NONE)
         out->windows = GW_WINDOWS_SITE;
+    /* A wall that somebody stands before goes on; pictures and repeated states are to be whole. */
+    out->live |= out->cluster && !out->out && !out->states;
     if (out->track && (out->gaze != GW_GAZE_FROM_TRACK || out->states))
         return gw_fail(error, GW_BAD_INPUT, "--track goes with neither --gaze, --no-gaze nor --states");
+    if (out->frame_deadline > 0 && !out->live)
+        return gw_fail(error, GW_BAD_INPUT,
+                       "--frame-deadline goes with --live: without it every frame waits for all tiles; "
+                       "--death-deadline says when a silent one is lost");
+    if (out->gate_only && (out->out || out->save_states))
+        return gw_fail(error, GW_BAD_INPUT, "--gate-only draws nothing; leave out --out and --save-states");
     if (out->budget_ms > 0 && out->budget_rays > 0)
         return gw_fail(error, GW_BAD_INPUT, "--budget and --budget-rays are two budgets; leave out one");
     if (out->states && (out->budget_ms > 0 || out->budget_rays > 0))

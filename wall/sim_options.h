@@ -7,6 +7,7 @@
 #include "wall/build_together.h"
 #include "wall/options.h"
 #include "wall/site.h"
+#include "wall/tile_fault.h"
 
 #include <stdint.h>
 
@@ -62,9 +63,14 @@ typedef struct gw_sim_options {
     double gaze_pixel[2];
     double budget_ms, budget_rays; /* of a frame; 0: none */
     double still[2];               /* mm and degrees that count as standing still when samples add up */
-    double load_deadline, frame_deadline; /* s; frame_deadline 0: from the frames measured so far */
-    uint32_t builders;                    /* ranks that build the octree together; 0: one of every machine */
-    gw_builder_fault fault;               /* hidden, for tests: what rank fault_rank pretends */
+    int live;                      /* frames go on without late tiles; else lock-step */
+    double load_deadline, frame_deadline; /* s; 0: the site's */
+    double death_deadline;                /* s; 0: the site's when live, else from the frames so far */
+    int gate_only;                        /* nothing is loaded or drawn: what the gate alone costs */
+    gw_tile_fault tile_faults[GW_MAXIMUM_FAULTS]; /* hidden, for tests */
+    uint32_t tile_fault_count;
+    uint32_t builders;      /* ranks that build the octree together; 0: one of every machine */
+    gw_builder_fault fault; /* hidden, for tests: what rank fault_rank pretends */
     int fault_rank;
     int machines; /* hidden, for tests: pretend that the ranks stand on so many machines */
     int cluster;  /* the verb is wall: the site's hosts draw its tiles, and without frames it has no end */
@@ -78,6 +84,9 @@ int gw_sim_is_steered(const gw_sim_options *options);
 
 /* 1 when time passes as it does from frame to frame, and, without --frames, until somebody ends it. */
 int gw_sim_runs_free(const gw_sim_options *options);
+
+/* The times in force: the site's, but for those that the command line gives. */
+gw_site_times gw_sim_times(const gw_sim_options *options, const gw_site *site);
 
 /* argv[0] is "sim", "wall" or "rank". */
 gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *helped, gw_error *error);

@@ -358,14 +358,14 @@ static gw_code write_triple(render *r, gw_error *error) {
 }
 
 static gw_code fill_report(render *r, gw_error *error) {
+    const gw_tile_record whole = {.state = "live"};
     const gw_gl_limits *limits = gw_gl_limits_of(r->model.device);
-    const int64_t never_lost[GW_MAXIMUM_TILES] = {-1};
     gw_report_device(r->report, limits);
     gw_report_scene(r->report, r->model.scene, r->model.import_ms);
     gw_report_octree(r->report, r->model.octree, r->model.scene, limits, r->model.build_ms,
                      r->model.from_cache);
     gw_report_settings(r->report, &r->options.draw.settings);
-    gw_report_tiles(r->report, &r->view.layout, never_lost);
+    gw_report_tiles(r->report, &r->view.layout, &whole);
     gw_report_frames(r->report, &r->milliseconds, 1, 1);
     gw_report_counters(r->report, &r->counters);
     gw_report_predicted_error(r->report, &r->predicted, &r->state, json_null());

@@ -48,7 +48,7 @@ static gw_code run(gw_sim_options *options, int argc, char **argv, gw_error *err
     const gw_launch_plan plan = {.site = &site,
                                  .hosts = &hosts,
                                  .console = &console,
-                                 .load_deadline = options->load_deadline,
+                                 .load_deadline = gw_sim_times(options, &site).load,
                                  .verb = argv[0],
                                  .agent = options->agent,
                                  .argc = argc,

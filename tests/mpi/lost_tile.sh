@@ -22,7 +22,7 @@ wait_for() { # FILE
 # run NAME SIGNAL...: a wall of 3 tiles; rank 2 is sent the signal after frame 2
 run() {
     local name=$1 signal=$2
-    timeout 300 "$program" sim --scene sheet.obj --set octree_depth=5 --tiles 3x1 --size 96x32 --frames 80 --frame-deadline 1 \
+    timeout 300 "$program" sim --scene sheet.obj --set octree_depth=5 --tiles 3x1 --size 96x32 --frames 80 --death-deadline 1 \
         --log debug --out "$name" --report "$name.json" >"$name.out" 2>"$name.log" &
     local launcher=$!
     wait_for "$name/wall-0002.png"
@@ -74,7 +74,7 @@ sleep 0.5
 is "rank 0: no process is left" "$(pgrep -f -- "--out first" | wc -l)" 0
 
 # --- rank 0 hangs: nobody but the launcher can notice
-timeout 300 "$program" sim --scene sheet.obj --set octree_depth=5 --tiles 2x1 --size 96x32 --frames 2000 --frame-deadline 1 --log debug --out hang >hang.out 2>hang.log &
+timeout 300 "$program" sim --scene sheet.obj --set octree_depth=5 --tiles 2x1 --size 96x32 --frames 2000 --death-deadline 1 --log debug --out hang >hang.out 2>hang.log &
 launcher=$!
 wait_for hang/wall-0002.png
 kill -STOP "$(pid_of hang.log 0)"

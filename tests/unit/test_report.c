@@ -17,11 +17,16 @@ static json_t *new_report(void) {
 
 static void keys_are_all_there_and_null(void **state) {
     (void)state;
-    static const char *const keys[] = {
-        "device",     "scene",           "octree",   "memory",  "tiles",        "frames",
-        "ended",      "frame_ms",        "counters", "effects", "profile",      "settings",
-        "latency_ms", "predicted_error", "tracking", "build",   "swap_skew_ms", "float_environment",
-        "image"};
+    static const char *const keys[] = {"device",       "scene",
+                                       "octree",       "memory",
+                                       "tiles",        "frames",
+                                       "ended",        "frame_ms",
+                                       "counters",     "effects",
+                                       "profile",      "settings",
+                                       "latency_ms",   "predicted_error",
+                                       "tracking",     "build",
+                                       "swap_skew_ms", "float_environment",
+                                       "image",        "gate"};
     json_t *report = new_report();
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++)
         assert_true(json_is_null(json_object_get(report, keys[i])));
@@ -46,7 +51,9 @@ static void sections_are_filled(void **state) {
     gw_settings settings;
     gw_settings_init(&settings);
     gw_layout layout = {.tile_count = 2};
-    const int64_t lost[GW_MAXIMUM_TILES] = {-1, 17};
+    const gw_tile_record tiles[] = {
+        {.state = "live"},
+        {.state = "lost", .late = 1, .skipped = 2, .lost = 1, .lost_frame = 17, .fault = "its process died"}};
     const double times[] = {5, 1, 3};
     uint8_t pixels[2 * 1 * 4] = {1, 2, 3, 4, 5, 6, 7, 8};
     const gw_image image = {2, 1, pixels};
@@ -57,7 +64,7 @@ static void sections_are_filled(void **state) {
     gw_report_settings(report, &settings);
     gw_report_counters(report, &counters);
     gw_report_track(report, &track);
-    gw_report_tiles(report, &layout, lost);
+    gw_report_tiles(report, &layout, tiles);
     gw_report_frames(report, times, 3, 5);
     gw_report_ended(report, 1);
     gw_report_image(report, NULL, &image);
@@ -79,6 +86,10 @@ static void sections_are_filled(void **state) {
     const json_t *tile = json_array_get(json_object_get(report, "tiles"), 1);
     assert_string_equal(json_string_value(json_object_get(tile, "state")), "lost");
     assert_int_equal(json_integer_value(json_object_get(tile, "lost_frame")), 17);
+    assert_int_equal(json_integer_value(json_object_get(tile, "skipped")), 2);
+    assert_string_equal(json_string_value(json_object_get(tile, "fault")), "its process died");
+    assert_true(
+        json_is_null(json_object_get(json_array_get(json_object_get(report, "tiles"), 0), "lost_frame")));
     assert_true(json_real_value(json_object_get(json_object_get(report, "frame_ms"), "median")) == 3);
     assert_true(json_real_value(json_object_get(json_object_get(report, "frame_ms"), "max")) == 5);
     assert_int_equal(json_integer_value(json_object_get(report, "frames")), 5);

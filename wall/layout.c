@@ -86,8 +86,24 @@ static int share(const uint32_t *at_a, const uint32_t size_a[2], const uint32_t 
     return at_a[axis] < at_b[axis] + size_b[axis] && at_b[axis] < at_a[axis] + size_a[axis];
 }
 
+/* Pixels of the first tile in what is between two neighbours of the picture; 0 for tiles that are none. */
+static uint32_t gap_between(const gw_layout *layout, const gw_tile *before, const gw_tile *next, int axis) {
+    const uint32_t sizes[2] = {before->rectangle.width, before->rectangle.height};
+    double from[4][3], to[4][3], between[3];
+    if (before->picture[axis] + sizes[axis] != next->picture[axis])
+        return 0;
+    gw_tile_corners(before, from);
+    gw_tile_corners(next, to);
+    for (int i = 0; i < 3; i++)
+        between[i] = to[0][i] - from[axis ? 2 : 1][i];
+    const gw_plane *first = &layout->tiles[0].plane;
+    double pixels = gw_length(between) / gw_length(axis ? first->step_y : first->step_x);
+    return (uint32_t)lround(fmin(pixels, GW_MAXIMUM_WALL_SIDE));
+}
+
 /* Moves tiles along an axis until none hides one that stands before it in the same row (or column) of the
- * picture without bezels. One pass in the picture's order, for moving a tile moves only those behind it. */
+ * picture without bezels, and leaves the gap that there is. One pass in the picture's order, for moving a
+ * tile moves only those behind it. */
 static void push_apart(gw_layout *layout, int axis) {
     uint32_t order[GW_MAXIMUM_TILES];
     for (uint32_t i = 0; i < layout->tile_count; i++) {
@@ -105,7 +121,8 @@ static void push_apart(gw_layout *layout, int axis) {
             if (before->picture[axis] + size_before[axis] <= tile->picture[axis] &&
                 share(before->picture, size_before, tile->picture, size, 1 - axis) &&
                 tile->framed[axis] < before->framed[axis] + size_before[axis])
-                tile->framed[axis] = before->framed[axis] + size_before[axis];
+                tile->framed[axis] =
+                    before->framed[axis] + size_before[axis] + gap_between(layout, before, tile, axis);
         }
     }
 }

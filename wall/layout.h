@@ -84,7 +84,8 @@ gw_code gw_layout_point(const gw_layout *layout, const double pixel[2], double o
 gw_code gw_layout_measure(gw_layout *layout, gw_error *error);
 
 /* Fills framed: the tiles as they hang seen from the front, at the first tile's pixel size, pushed apart
- * where they would hide each other (a bent wall seen from the front is too narrow for its pixels). */
+ * where they would hide each other (a bent wall seen from the front is too narrow for its pixels), with the
+ * gaps that they have. */
 gw_code gw_layout_frame(gw_layout *layout, gw_error *error);
 
 #endif

@@ -169,7 +169,8 @@ static const struct argp_option sim_options[] = {
      "away",
      1},
     {"bezel", KEY_BEZEL, "MM", 0, "0 to 1000 mm, default 0: bezel of every tile on every side", 1},
-    {"site", KEY_SITE, "FILE", 0, "a site file (docs/sites.md) instead of all of the above", 1},
+    {"site", KEY_SITE, "FILE", 0,
+     "a site file (docs/sites.md) or one inside the program, as 3x2-bezels, instead of all of the above", 1},
     {"stereo", KEY_STEREO, "MODE", 0,
      "two eyes on every tile: side-by-side, top-bottom, anaglyph (red and cyan), row-interlace; or one of "
      "them: left, "

@@ -38,6 +38,8 @@ static void print_help(void) {
          "      the embedded demo scene on four tiles, the gaze crossing their borders\n"
          "  gazewall sim --scene model.glb --site configs/sites/3x2-bezels.yaml --out pictures\n"
          "      a model of your own on a wall with bezels\n"
+         "  gazewall check 3x2-bezels --draw wall.svg\n"
+         "      what a site file says of its wall, with a drawing\n"
          "  gazewall render --debug levels --out levels.png\n"
          "      red what was triangles, green to blue what was voxels\n"
          "  gazewall inspect model.obj\n"

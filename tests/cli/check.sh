@@ -21,6 +21,7 @@ expect "and counted" 0 "can be used; 1 warning" check "$folder/odd.yaml"
 expect "strictly, it is an error" 2 "1 warnings, and --strict" check "$folder/odd.yaml" --strict
 expect "quiet leaves only warnings" 0 "warning: " check "$folder/odd.yaml" --quiet
 is "and nothing else" "$("$program" check "$folder/odd.yaml" --quiet 2>/dev/null)" ""
+expect "the wall's verb warns, too" 0 "odd.yaml:5: tile 'c0r0' has pixels" wall --site "$folder/odd.yaml" --dry-run
 sed 's/columns: 3/colums: 3/' "$root/configs/sites/3x2-bezels.yaml" >"$folder/wrong.yaml"
 expect "an error is told with its line" 2 "wrong.yaml:5: key 'colums' is unknown; did you mean 'columns'?" \
     check "$folder/wrong.yaml"

@@ -327,6 +327,24 @@ static void faces_of_a_cave_share_their_edges(void **state) {
     assert_string_equal(site.layout.tiles[2].name, "floor");
 }
 
+/* Measured panels at an angle, 12 mm apart: from the front they are too narrow for their pixels; they are
+ * shown beside each other with the gap. Flat ones stand where they hang. */
+static void bent_panels_are_shown_unrolled(void **state) {
+    (void)state;
+    check_ok(parse("version: 1\ntiles:\n" TILE(
+                       "left", "[[-752.4, 300, 200], [-406, 300, 0], [-752.4, 0, 200]]", "[0, 0]")
+                       TILE("middle", "[[-394, 300, 0], [6, 300, 0], [-394, 0, 0]]", "[40, 0]")
+                           TILE("right", "[[18, 300, 0], [418, 300, 0], [18, 0, 0]]", "[80, 0]"),
+                   &site, &error));
+    assert_int_equal(site.layout.tiles[1].framed[0], 41);
+    assert_int_equal(site.layout.tiles[2].framed[0], 82);
+    check_ok(parse("version: 1\n" LEFT TILE("right", "[[25, 360, 0], [425, 360, 0], [25, 60, 0]]", "[40, 0]"),
+                   &site, &error));
+    assert_int_equal(site.layout.tiles[0].framed[1], 6);
+    assert_int_equal(site.layout.tiles[1].framed[0], 43); /* 42.5 */
+    assert_int_equal(site.layout.tiles[1].framed[1], 0);
+}
+
 /* In the picture with bezels, a wall that needs more pixels than it has moves those behind it. */
 static void walls_make_room_for_bezels(void **state) {
     (void)state;
@@ -560,6 +578,7 @@ int main(void) {
         cmocka_unit_test(a_curve_is_a_polygon_round_its_axis),
         cmocka_unit_test(rows_lean_to_the_viewer),
         cmocka_unit_test(faces_of_a_cave_share_their_edges),
+        cmocka_unit_test(bent_panels_are_shown_unrolled),
         cmocka_unit_test(walls_make_room_for_bezels),
         cmocka_unit_test(a_panel_may_have_pixels_of_its_own),
         cmocka_unit_test(a_pair_of_eyes_may_share_a_place),

@@ -12,6 +12,8 @@
 const gw_verb gw_verbs[] = {
     {"sim", "the wall on one machine: one MPI rank per tile, assembled pictures, report", gw_verb_sim},
     {"wall", "the wall on the hosts of its site, until it is ended", gw_verb_wall},
+    {"doctor", "tests every hop of a site: names, ways, programs, GPUs, displays, clocks, tracker",
+     gw_verb_doctor},
     {"render", "one picture, one process, no MPI: for scripts and tests", gw_verb_render},
     {"check", "is a site file the wall as it hangs? verdict, table, drawing", gw_verb_check},
     {"inspect", "what is in a scene, its octree, or this machine's GL device", gw_verb_inspect},
@@ -20,6 +22,7 @@ const gw_verb gw_verbs[] = {
      gw_verb_bench},
     {"settings", "the table of settings that --set takes", gw_verb_settings},
     {"rank", NULL, gw_verb_rank},
+    {"examine", NULL, gw_verb_examine},
     {"launch", NULL, gw_verb_launch},
     {"import-child", NULL, gw_import_child},
 };

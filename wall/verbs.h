@@ -19,6 +19,8 @@ extern const size_t gw_verb_count;
 
 int gw_verb_sim(int argc, char **argv);
 int gw_verb_wall(int argc, char **argv);
+int gw_verb_doctor(int argc, char **argv);
+int gw_verb_examine(int argc, char **argv); /* hidden: what doctor asks for on each host */
 int gw_verb_rank(int argc,
                  char **argv); /* hidden: one tile's process, started by sim and wall under mpirun */
 int gw_verb_launch(int argc, char **argv); /* hidden: ties its own life to the launcher's, becomes mpirun */

@@ -3,7 +3,6 @@
 #include "base/file.h"
 #include "base/memory.h"
 
-#include <jansson.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -229,7 +228,7 @@ static json_t *pack_gaze(const gw_gaze *gaze) {
                      (double)gaze->age, "confidence", (double)gaze->confidence);
 }
 
-static json_t *pack_state(const gw_frame_state *state) {
+json_t *gw_state_pack(const gw_frame_state *state) {
     json_t *gazes = json_array();
     for (uint32_t i = 0; i < state->gaze_count; i++)
         json_array_append_new(gazes, pack_gaze(&state->gazes[i]));
@@ -260,7 +259,7 @@ gw_code gw_states_save(const char *path, const gw_frame_state *states, size_t co
     fprintf(stream, "{\"gazewall_states\": %d}\n", STATES_VERSION);
     int failed = 0;
     for (size_t i = 0; i < count && !failed; i++) {
-        json_t *object = pack_state(&states[i]);
+        json_t *object = gw_state_pack(&states[i]);
         failed = !object || json_dumpf(object, stream, JSON_COMPACT | JSON_REAL_PRECISION(17)) ||
                  fputc('\n', stream) == EOF;
         json_decref(object);
@@ -397,6 +396,12 @@ static int take_state(const place *at, const json_t *object, gw_frame_state *sta
     /* The time is an integer of more digits than a double holds. */
     state->time = (int64_t)json_integer_value(json_object_get(object, "time"));
     return 1;
+}
+
+gw_code gw_state_take(const json_t *object, const char *path, size_t line, gw_frame_state *out,
+                      gw_error *error) {
+    const place at = {.path = path, .line = line, .error = error};
+    return take_state(&at, object, out) ? GW_OK : GW_BAD_INPUT;
 }
 
 static gw_code read_line(const place *at, const char *line, size_t length, gw_states *out, size_t *capacity) {

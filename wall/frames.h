@@ -12,6 +12,7 @@
 #include "render/frame_state.h"
 #include "tracking/track.h"
 
+#include <jansson.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -53,6 +54,11 @@ typedef struct gw_states {
 
 gw_code gw_states_load(const char *path, gw_states *out, gw_error *error);
 void gw_states_finish(gw_states *states);
+/* One state as JSON (NULL: memory is out), and back; path and line are for messages. */
+json_t *gw_state_pack(const gw_frame_state *state);
+gw_code gw_state_take(const json_t *object, const char *path, size_t line, gw_frame_state *out,
+                      gw_error *error);
+
 gw_code gw_states_save(const char *path, const gw_frame_state *states, size_t count, gw_error *error);
 
 #endif

@@ -377,6 +377,7 @@ static error_t parse_sim(int key, char *argument, struct argp_state *state) {
     switch (key) {
     case ARGP_KEY_INIT:
         state->child_inputs[0] = &options->draw;
+        state->child_inputs[1] = &options->pictures;
         break;
     case KEY_TILES:
     case KEY_SIZE:
@@ -459,7 +460,8 @@ static error_t parse_sim(int key, char *argument, struct argp_state *state) {
     return code ? EINVAL : 0;
 }
 
-static const struct argp_child children[] = {{&gw_draw_argp, 0, NULL, 0}, {0}};
+static const struct argp_child children[] = {
+    {&gw_draw_argp, 0, NULL, 0}, {&gw_picture_argp, 0, NULL, 0}, {0}};
 
 static const struct argp sim_argp = {
     .options = sim_options,
@@ -516,6 +518,7 @@ gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *he
     memset(out, 0, sizeof *out);
     gw_draw_options_init(&out->draw, error);
     out->draw.keeps = 1;
+    out->pictures.error = error;
     gw_wall_options_init(&out->wall, 2, 2);
     out->step = -1;
     out->cluster = !strcmp(argv[0], "wall");
@@ -550,6 +553,8 @@ gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *he
         return code;
     if (out->states && (out->still[0] > 0 || out->still[1] > 0))
         return gw_fail(error, GW_BAD_INPUT, "--states holds what stood still; leave out --still");
+    if (out->pictures.pattern && (out->draw.scene || out->path))
+        return gw_fail(error, GW_BAD_INPUT, "--pattern is drawn instead of a scene; leave out --scene and --path");
     if (out->states && out->wall.eye_distance >= 0)
         return gw_fail(error, GW_BAD_INPUT, "--states holds where both eyes are; leave out --eye-distance");
     if (out->states && out->path)

@@ -6,6 +6,7 @@
 #include "base/status.h"
 #include "wall/build_together.h"
 #include "wall/options.h"
+#include "wall/picture_options.h"
 #include "wall/site.h"
 #include "wall/tile_fault.h"
 
@@ -49,6 +50,7 @@ typedef enum gw_windows {
 typedef struct gw_sim_options {
     gw_draw_options draw; /* first: its parser is a child of this one's */
     gw_wall_options wall;
+    gw_picture_options pictures;
     const char *track;       /* NULL: the embedded demo track */
     const char *path;        /* camera path of the scene, or NULL */
     const char *states;      /* recorded frame states to repeat, or NULL */

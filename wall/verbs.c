@@ -20,6 +20,7 @@ const gw_verb gw_verbs[] = {
     {"replay", "what is in a recording of head and gaze trackers", gw_verb_replay},
     {"bench", "measures: build time, bytes, rays against Embree, modes, layouts (see its --help)",
      gw_verb_bench},
+    {"codes", "reads the tiles' frame codes from a picture of the wall", gw_verb_codes},
     {"settings", "the table of settings that --set takes", gw_verb_settings},
     {"rank", NULL, gw_verb_rank},
     {"examine", NULL, gw_verb_examine},

@@ -30,6 +30,7 @@ int gw_verb_inspect(int argc, char **argv);
 int gw_verb_replay(int argc, char **argv);
 int gw_verb_bench(int argc, char **argv);
 int gw_verb_settings(int argc, char **argv);
+int gw_verb_codes(int argc, char **argv);
 
 /* Runs the verb that argv[1] names: the whole program but for main() itself. */
 int gw_verbs_run(int argc, char **argv);

@@ -51,6 +51,7 @@ gw_code gw_renderer_create(gw_gl *device, const gw_scene *scene, const gw_octree
     renderer->log = options->log;
     renderer->count = options->count;
     renderer->one_kernel = options->one_kernel;
+    renderer->time_blending = options->time_blending;
     renderer->loop_budget = options->loop_budget ? options->loop_budget : DEFAULT_LOOP_BUDGET;
     if (renderer->loop_budget < LEAST_LOOP_BUDGET)
         renderer->loop_budget = LEAST_LOOP_BUDGET; /* a ray must get from the root to its cell and on */

@@ -48,6 +48,7 @@ typedef struct gw_renderer_options {
     /* 1: where voxels may be met every ray is traced by the kernel that knows them, not only those that do
      * meet one (slower, same pixels: for tests and benches). */
     int one_kernel;
+    int time_blending; /* 1: measure what gw_renderer_take_blend_ns() tells (a little slower, same pixels) */
     uint32_t force_features; /* gw_feature bits to compile in although nothing calls for them: same pixels */
     /* gw_feature bits to leave out although something calls for them: other pixels. GW_BAD_INPUT for those
      * without which the octree cannot be read. */
@@ -64,6 +65,10 @@ void gw_renderer_destroy(gw_renderer **renderer);
 gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement, const gw_plane *plane,
                           const gw_rectangle *rectangle, const gw_frame_state *state, uint8_t *rgba,
                           gw_counters *counters, gw_error *error);
+
+/* ns that making pixels of samples took since this was last called; 0 without time_blending, and where every
+ * pixel has a ray of its own. */
+int64_t gw_renderer_take_blend_ns(gw_renderer *renderer);
 
 /* Which of two eyes, 0 or 1, the next frames are drawn for: the samples of still views (accumulate) are kept
  * for each by itself. Changes no pixel. */

@@ -39,6 +39,12 @@ gw_code gw_accumulation_bind(gw_renderer *renderer, size_t chunk, size_t pixel_s
     return code;
 }
 
+int64_t gw_renderer_take_blend_ns(gw_renderer *renderer) {
+    const int64_t taken = renderer->blend_ns;
+    renderer->blend_ns = 0;
+    return taken;
+}
+
 void gw_renderer_choose_view(gw_renderer *renderer, uint32_t view) {
     if (view == renderer->chosen_view)
         return;

@@ -104,7 +104,8 @@ struct gw_renderer {
     gw_moving *moving;       /* NULL unless the scene moves */
     int64_t time;            /* ns, for which scene and octree stand */
     const gw_log *log;
-    int count, one_kernel;
+    int count, one_kernel, time_blending;
+    int64_t blend_ns; /* with time_blending: since it was last asked for */
     uint32_t loop_budget;
     uint32_t loop_iterations; /* the most of a ray in a dispatch since the frame or the tracing began */
     uint32_t scene_features;  /* but for the forbidden ones */

@@ -3,6 +3,8 @@
  * batch is traced. */
 #include "render/renderer_internal.h"
 
+#include "base/clock.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -263,7 +265,23 @@ static gw_code reconstruct(gw_frame_job *job, size_t pixel_slots, gw_error *erro
     return code ? code : gw_gl_dispatch(renderer->device, program, blocks, error);
 }
 
+/* What comes before it is waited for, or its time would be counted here. */
+static gw_code reconstruct_timed(gw_frame_job *job, size_t pixel_slots, gw_error *error) {
+    gw_renderer *renderer = job->renderer;
+    gw_code code = gw_gl_finish(renderer->device, error);
+    const int64_t begin = gw_now_ns();
+    if (!code)
+        code = reconstruct(job, pixel_slots, error);
+    if (!code)
+        code = gw_gl_finish(renderer->device, error);
+    renderer->blend_ns += gw_now_ns() - begin;
+    return code;
+}
+
 gw_code gw_frame_samples(gw_frame_job *job, size_t pixel_slots, gw_error *error) {
     gw_code code = trace_batches(job, error);
-    return code ? code : reconstruct(job, pixel_slots, error);
+    if (!code)
+        code = job->renderer->time_blending ? reconstruct_timed(job, pixel_slots, error)
+                                            : reconstruct(job, pixel_slots, error);
+    return code;
 }

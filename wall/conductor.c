@@ -51,6 +51,8 @@ gw_code gw_conductor_init(gw_conductor *conductor, struct gw_rank *rank, int arg
     if (!code)
         code = gw_pilot_open(rank, &conductor->pilot, error);
     if (!code)
+        code = gw_conductor_open_pictures(conductor, rank, error);
+    if (!code)
         code = open_gate(conductor, rank, error);
     gw_report_settings(conductor->report, &options->draw.settings);
     return code;
@@ -109,7 +111,8 @@ static void count_lost(gw_conductor *conductor, const struct gw_rank *rank) {
 
 /* After the gate: adds up what the tiles did. *slowest in ms. */
 static gw_code add_up(gw_conductor *conductor, const struct gw_rank *rank, const gw_done *own, uint32_t frame,
-                      const uint8_t **pixels, gw_counters *sum, double *slowest, gw_error *error) {
+                      const uint8_t **pixels, const gw_done **all, gw_counters *sum, double *slowest,
+                      gw_error *error) {
     double milliseconds[GW_MAXIMUM_TILES];
     uint32_t drawn = 0;
     *slowest = 0;
@@ -120,6 +123,7 @@ static gw_code add_up(gw_conductor *conductor, const struct gw_rank *rank, const
     for (uint32_t i = 0; i < rank->site.layout.tile_count; i++) {
         const gw_gate_tile *tile = i ? gw_gate_tile_of(conductor->gate, i) : NULL;
         const gw_done *done = tile ? &tile->done : own;
+        all[i] = done;
         pixels[i] = NULL;
         if (tile && tile->missed) {
             conductor->missed[tile->missed]++;
@@ -169,8 +173,7 @@ static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_
     gw_pilot_poll(conductor->pilot, frame);
     *last = is_last(conductor, rank, frame);
     gw_release release = {.kind = GW_RELEASE_FRAME, .last = (uint32_t)*last};
-    release.pixels = (release.last || rank->options.out || gw_pilot_wants_pixels(conductor->pilot)) &&
-                     !rank->options.gate_only;
+    release.pixels = (uint32_t)gw_conductor_wants_pixels(conductor, rank, *last);
     release.predict = release.last || rank->options.out || gw_budget_is_on(&conductor->budget);
     gw_code code = gw_conductor_make_state(conductor, rank, frame, &release.state, error);
     conductor->states[gw_kept(conductor, frame)] = release.state;
@@ -178,6 +181,7 @@ static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_
     if (code)
         return code;
     gw_gate_release(conductor->gate, &release);
+    gw_rank_time(rank, GW_LANE_GATE, begin);
     present(conductor, rank);
     static gw_done own;
     const gw_patience patience = patience_of(conductor, rank, frame);
@@ -185,14 +189,17 @@ static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_
     promise(rank, patience.death, wall);
     gw_rank_draw(rank, &release, &own);
     promise(rank, patience.death, wall);
+    const int64_t drawn = gw_now_ns();
     gw_gate_collect(conductor->gate, &patience);
+    gw_rank_time(rank, GW_LANE_WAIT, drawn);
     int64_t end = gw_now_ns();
     conductor->milliseconds[gw_kept(conductor, frame)] = (double)(end - begin) * 1e-6;
 
-    const uint8_t *pixels[GW_MAXIMUM_TILES];
+    const uint8_t *pixels[GW_MAXIMUM_TILES], *shown[GW_MAXIMUM_TILES];
+    const gw_done *done[GW_MAXIMUM_TILES];
     gw_counters sum;
     double slowest;
-    code = add_up(conductor, rank, &own, frame, pixels, &sum, &slowest, error);
+    code = add_up(conductor, rank, &own, frame, pixels, done, &sum, &slowest, error);
     if (code)
         return code;
     conductor->slowest_ms = slowest;
@@ -202,12 +209,9 @@ static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_
     if (conductor->rows)
         gw_conductor_write_row(conductor, frame, &sum, (double)(end - start) * 1e-6, slowest);
     promise(rank, 0, 4 * wall);
-    if (rank->options.out)
-        code = gw_conductor_write_pictures(conductor, rank, &release, pixels, error);
-    else if (release.last && !rank->options.gate_only)
-        code = gw_conductor_hash_picture(conductor, rank, pixels, error);
+    code = gw_conductor_show(conductor, rank, &release, done, pixels, shown, error);
     const gw_pilot_facts facts = {.state = &release.state,
-                                  .pixels = pixels,
+                                  .pixels = shown,
                                   .milliseconds = (double)(end - begin) * 1e-6,
                                   .rays = sum.rays};
     return code ? code : gw_pilot_show(conductor->pilot, &facts, error);
@@ -237,5 +241,9 @@ gw_code gw_conductor_run(gw_conductor *conductor, struct gw_rank *rank, gw_error
     present(conductor, rank);
     gw_gate_wait_until_left(conductor->gate);
     count_lost(conductor, rank);
+    gw_error closing = {0};
+    const gw_code closed = gw_conductor_close_pictures(conductor, code, &closing);
+    if (!code && closed)
+        code = gw_fail(error, closed, "%s", closing.text);
     return code ? code : gw_conductor_finish(conductor, rank, error);
 }

@@ -3,12 +3,15 @@
 #ifndef GW_WALL_CONDUCTOR_H
 #define GW_WALL_CONDUCTOR_H
 
+#include "base/hash.h"
 #include "base/status.h"
 #include "tracking/track.h"
 #include "wall/budget.h"
 #include "wall/frames.h"
 #include "wall/gate.h"
+#include "wall/overlay.h"
 #include "wall/pilot.h"
+#include "wall/video.h"
 
 #include <jansson.h>
 #include <stdint.h>
@@ -47,8 +50,12 @@ typedef struct gw_conductor {
     gw_predicted_error seen;        /* of the last such frame */
     char *scene_line, *octree_line; /* for the summary */
     gw_gate *gate;
-    gw_pilot *pilot; /* NULL when nobody steers */
-    FILE *rows;      /* frames.csv, or NULL */
+    gw_pilot *pilot;                  /* NULL when nobody steers */
+    FILE *rows;                       /* frames.csv, or NULL */
+    gw_lanes *lanes;                  /* [tile_count], for the overlay, or NULL */
+    uint8_t *shown[GW_MAXIMUM_TILES]; /* pixels with overlay and frame code, or NULL */
+    gw_video *video;                  /* or NULL */
+    gw_hash picture_hash;             /* of the last picture's own pixels */
 } gw_conductor;
 
 /* Reads track or states and opens what will be written, so that mistakes show before the long work. */

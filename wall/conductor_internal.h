@@ -29,10 +29,21 @@ gw_code gw_conductor_open_rows(gw_conductor *conductor, const char *folder, gw_e
 /* One row of it; presented and slowest in ms. */
 void gw_conductor_write_row(gw_conductor *conductor, uint32_t frame, const gw_counters *sum, double presented,
                             double slowest);
-gw_code gw_conductor_write_pictures(gw_conductor *conductor, const struct gw_rank *rank,
-                                    const gw_release *release, const uint8_t *const *pixels, gw_error *error);
-gw_code gw_conductor_hash_picture(gw_conductor *conductor, const struct gw_rank *rank,
-                                  const uint8_t *const *pixels, gw_error *error);
+
+/* --- conductor_pictures.c: what becomes of a frame's pixels */
+
+/* Opens the video and makes room for what is drawn over the pictures. */
+gw_code gw_conductor_open_pictures(gw_conductor *conductor, const struct gw_rank *rank, gw_error *error);
+/* 1 when the frame's pixels are needed. */
+int gw_conductor_wants_pixels(const gw_conductor *conductor, const struct gw_rank *rank, int last);
+/* Writes and hashes; done[i] and pixels[i] are tile i's, pixels[i] NULL where the frame lacks it. shown[i]:
+ * what of it is to be seen, pixels[i] or a copy with what is drawn over it. */
+gw_code gw_conductor_show(gw_conductor *conductor, struct gw_rank *rank, const gw_release *release,
+                          const gw_done *const *done, const uint8_t *const *pixels, const uint8_t **shown,
+                          gw_error *error);
+/* Ends the video, well if nothing failed before. */
+gw_code gw_conductor_close_pictures(gw_conductor *conductor, gw_code before, gw_error *error);
+
 /* Recorded states, report and summary. GW_TILES_LOST when not all tiles lasted. */
 gw_code gw_conductor_finish(gw_conductor *conductor, struct gw_rank *rank, gw_error *error);
 

@@ -3,13 +3,11 @@
 
 #include "base/clock.h"
 #include "base/file.h"
-#include "base/image.h"
 #include "base/memory.h"
 #include "wall/interrupt.h"
 #include "wall/picture.h"
 #include "wall/rank.h"
 #include "wall/report.h"
-#include "wall/tile_picture.h"
 #include "wall/verbs.h"
 
 #include <inttypes.h>
@@ -114,62 +112,6 @@ void gw_conductor_write_row(gw_conductor *conductor, uint32_t frame, const gw_co
     fflush(conductor->rows);
 }
 
-static gw_code write_picture(const char *folder, const char *name, const gw_image *image, const char *comment,
-                             gw_error *error) {
-    char *path = gw_path_join(folder, name);
-    gw_interrupt_hold();
-    gw_code code = path ? gw_image_write_png(path, image, comment, error)
-                        : gw_fail(error, GW_MACHINE, "memory is out while naming a picture");
-    gw_interrupt_release();
-    free(path);
-    return code;
-}
-
-/* wall-NNNN.png and wall-bezels-NNNN.png, and the plain names for the last frame; a frame that lacks a tile
- * says so in its name and never gets a plain one. */
-gw_code gw_conductor_write_pictures(gw_conductor *conductor, const struct gw_rank *rank,
-                                    const gw_release *release, const uint8_t *const *pixels,
-                                    gw_error *error) {
-    const char *folder = rank->options.out;
-    const char *mark = conductor->missing ? "-incomplete" : "";
-    for (int framed = 0; framed < 2; framed++) {
-        gw_image image = {0};
-        gw_code code = gw_picture_assemble(&rank->site.layout, pixels, framed, &image, error);
-        const char *stem = framed ? "wall-bezels" : "wall";
-        char name[64], comment[128];
-        /* Not a word about the split: every split of a wall gives the same file. */
-        snprintf(comment, sizeof comment, "Gazewall " GW_VERSION ", frame %" PRIu32 "%s",
-                 release->state.frame, conductor->missing ? ", incomplete" : "");
-        snprintf(name, sizeof name, "%s-%04" PRIu32 "%s.png", stem, release->state.frame, mark);
-        if (!code)
-            code = write_picture(folder, name, &image, comment, error);
-        if (!code && release->last) {
-            snprintf(name, sizeof name, "%s%s.png", stem, mark);
-            code = write_picture(folder, name, &image, comment, error);
-            if (!framed) {
-                char *path = gw_path_join(folder, name);
-                gw_report_image(conductor->report, path, &image);
-                free(path);
-            }
-        }
-        gw_image_finish(&image);
-        if (code)
-            return code;
-    }
-    return gw_tile_write_others(rank, release, pixels, error);
-}
-
-/* Without --out the report still tells the last picture's hash. */
-gw_code gw_conductor_hash_picture(gw_conductor *conductor, const struct gw_rank *rank,
-                                  const uint8_t *const *pixels, gw_error *error) {
-    gw_image image = {0};
-    gw_code code = gw_picture_assemble(&rank->site.layout, pixels, 0, &image, error);
-    if (!code)
-        gw_report_image(conductor->report, NULL, &image);
-    gw_image_finish(&image);
-    return code;
-}
-
 static void print(struct gw_rank *rank, const char *format, ...) __attribute__((format(printf, 2, 3)));
 static void print(struct gw_rank *rank, const char *format, ...) {
     char text[1024];
@@ -185,27 +127,10 @@ static uint32_t known_frames(const gw_conductor *conductor) {
     return conductor->frame_count < conductor->kept ? conductor->frame_count : conductor->kept;
 }
 
-static void sum_up(const gw_conductor *conductor, struct gw_rank *rank) {
+/* total: ms of all frames. */
+static void sum_up_rays(const gw_conductor *conductor, struct gw_rank *rank, double total) {
     const gw_layout *layout = &rank->site.layout;
-    const char *out = rank->options.out;
-    const uint32_t known = known_frames(conductor);
-    gw_spread ms = gw_spread_of(conductor->milliseconds, known);
-    double total = 0;
-    for (uint32_t i = 0; i < known; i++)
-        total += conductor->milliseconds[i] * conductor->frame_count / known;
-    double pixels = (double)conductor->frame_count * layout->picture[0] * layout->picture[1];
-    print(rank, "scene    %s", conductor->scene_line ? conductor->scene_line : "");
-    print(rank, "octree   %s", conductor->octree_line ? conductor->octree_line : "");
-    print(rank, "wall     %" PRIu32 " tiles, %" PRIu32 "x%" PRIu32 " px, %.0fx%.0f mm%s", layout->tile_count,
-          layout->picture[0], layout->picture[1], layout->size[0], layout->size[1],
-          conductor->lost_count ? ", NOT ALL OF THEM TO THE END: see the warnings" : "");
-    print(rank, "frames   %" PRIu32 ": median %.0f ms, slowest %.0f ms", conductor->frame_count, ms.median,
-          ms.maximum);
-    if (conductor->swap_maximum > 0)
-        print(rank, "swap     the tiles presented a frame within %.3f ms of each other, %.3f ms at worst",
-              conductor->swap_median, conductor->swap_maximum);
-    if (rank->options.gate_only)
-        return;
+    const double pixels = (double)conductor->frame_count * layout->picture[0] * layout->picture[1];
     print(rank, "rays     %.2f million, %.2f per pixel, %.2f million a second",
           (double)conductor->counters.rays * 1e-6, (double)conductor->counters.rays / pixels,
           (double)conductor->counters.rays * 1e-3 / total);
@@ -216,6 +141,34 @@ static void sum_up(const gw_conductor *conductor, struct gw_rank *rank) {
               budget->over, budget->frames);
     print(rank, "error    outside the gaze %.1f times coarser than viewers resolve at worst, %.2f on average",
           conductor->predicted.worst, gw_predicted_error_mean(&conductor->predicted));
+}
+
+static void sum_up(const gw_conductor *conductor, struct gw_rank *rank) {
+    const gw_layout *layout = &rank->site.layout;
+    const char *out = rank->options.out;
+    const uint32_t known = known_frames(conductor);
+    gw_spread ms = gw_spread_of(conductor->milliseconds, known);
+    double total = 0;
+    for (uint32_t i = 0; i < known; i++)
+        total += conductor->milliseconds[i] * conductor->frame_count / known;
+    if (rank->options.pictures.pattern)
+        print(rank, "pattern  %s", gw_pattern_names[rank->options.pictures.pattern]);
+    if (conductor->scene_line)
+        print(rank, "scene    %s", conductor->scene_line);
+    if (conductor->octree_line)
+        print(rank, "octree   %s", conductor->octree_line);
+    print(rank, "wall     %" PRIu32 " tiles, %" PRIu32 "x%" PRIu32 " px, %.0fx%.0f mm%s", layout->tile_count,
+          layout->picture[0], layout->picture[1], layout->size[0], layout->size[1],
+          conductor->lost_count ? ", NOT ALL OF THEM TO THE END: see the warnings" : "");
+    print(rank, "frames   %" PRIu32 ": median %.0f ms, slowest %.0f ms", conductor->frame_count, ms.median,
+          ms.maximum);
+    if (conductor->swap_maximum > 0)
+        print(rank, "swap     the tiles presented a frame within %.3f ms of each other, %.3f ms at worst",
+              conductor->swap_median, conductor->swap_maximum);
+    if (rank->options.pictures.video)
+        print(rank, "video    %s", rank->options.pictures.video);
+    if (!rank->options.gate_only && !rank->options.pictures.pattern)
+        sum_up_rays(conductor, rank, total);
     if (out && !conductor->lost_count)
         print(rank,
               "look at  %s/wall.png (the wall), %s/wall-bezels.png (as it hangs), tile-*.png (one per rank), "

@@ -36,6 +36,14 @@ static gw_code choose_source(gw_conductor *conductor, const struct gw_rank *rank
     conductor->step = options->step > 0                     ? (int64_t)(options->step * 1e9)
                       : options->step < 0 && options->input ? GW_INPUT_STEP
                                                             : 0;
+    if (options->pictures.remake) {
+        conductor->recorded.count = 1;
+        gw_code code = gw_allocate((void **)&conductor->recorded.states, 1, sizeof(gw_frame_state),
+                                   "frame states", error);
+        if (!code)
+            conductor->recorded.states[0] = options->remade.state;
+        return code;
+    }
     if (options->states) {
         gw_code code = gw_states_load(options->states, &conductor->recorded, error);
         if (code)

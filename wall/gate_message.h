@@ -10,6 +10,7 @@
 #include "render/frame_state.h"
 #include "render/predicted_error.h"
 #include "render/renderer.h"
+#include "wall/overlay.h"
 
 #include <stddef.h>
 #include <stdint.h>
@@ -37,8 +38,9 @@ _Static_assert(sizeof(gw_release) < 512, "release and frame state travel in one 
 /* What a tile did for a frame. */
 typedef struct gw_done {
     uint32_t frame;
-    int32_t code;      /* gw_code; not 0: text says why, and no pixels follow */
-    int64_t render_ns; /* time in gw_renderer_frame */
+    int32_t code;          /* gw_code; not 0: text says why, and no pixels follow */
+    int64_t render_ns;     /* time in gw_renderer_frame */
+    float lanes[GW_LANES]; /* ms, of the overlay: what surrounds the drawing is of the frame before */
     gw_counters counters;
     gw_predicted_error predicted; /* of its tile, if it was wanted */
     char text[sizeof((gw_error *)0)->text];

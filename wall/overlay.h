@@ -30,6 +30,11 @@ typedef struct gw_lanes {
 
 void gw_lanes_note(gw_lanes *lanes, const float ms[GW_LANES]);
 
+/* Frames that went on without a tile. */
+typedef struct gw_missed {
+    uint32_t late, skipped, lost;
+} gw_missed;
+
 typedef struct gw_overlay_text {
     const char *tile, *host; /* host may be "" */
     uint32_t rank, frame;

@@ -6,7 +6,7 @@
 #include <errno.h>
 #include <string.h>
 
-enum { KEY_PATTERN = 0x5000, KEY_CODES };
+enum { KEY_PATTERN = 0x5000, KEY_CODES, KEY_OVERLAY, KEY_VIDEO, KEY_RATE, KEY_REMAKE };
 
 static const struct argp_option options_table[] = {
     {NULL, 0, NULL, 0, "Pictures (docs/pictures.md):", 5},
@@ -15,6 +15,18 @@ static const struct argp_option options_table[] = {
     {"frame-codes", KEY_CODES, NULL, 0,
      "a block of cells on every tile that codes the frame's number: 'gazewall codes' reads it back from a "
      "picture or a photograph",
+     5},
+    {"overlay", KEY_OVERLAY, NULL, 0,
+     "over every tile: its name and machine, how long the parts of its last frames took, rays a second, age "
+     "of the "
+     "pose, what was missed, and the frame code",
+     5},
+    {"video", KEY_VIDEO, "FILE", 0, "the frames as a video: .mp4, .m4v, .mov or .mkv (H.264, by ffmpeg)", 5},
+    {"fps", KEY_RATE, "N", 0, "1 to 240 frames a second of the video; default: 1 / --step, else 30", 5},
+    {"remake", KEY_REMAKE, "FILE.json", 0,
+     "make the picture again that this file was written beside, bit for bit; takes wall, scene, settings and "
+     "frame from "
+     "it (--scene names the scene where it is now)",
      5},
     {0}};
 
@@ -40,6 +52,18 @@ static error_t parse(int key, char *argument, struct argp_state *state) {
         break;
     case KEY_CODES:
         options->codes = 1;
+        break;
+    case KEY_OVERLAY:
+        options->overlay = options->codes = 1;
+        break;
+    case KEY_VIDEO:
+        code = gw_parse_name("--video", argument, &options->video, options->error);
+        break;
+    case KEY_RATE:
+        code = gw_parse_number("--fps", argument, 1, 240, &options->rate, options->error);
+        break;
+    case KEY_REMAKE:
+        code = gw_parse_name("--remake", argument, &options->remake, options->error);
         break;
     default:
         return ARGP_ERR_UNKNOWN;

@@ -11,7 +11,10 @@
 typedef struct gw_picture_options {
     gw_error *error;         /* where the parser leaves its sentence; set before parsing */
     gw_pattern_kind pattern; /* instead of the scene */
-    int codes;               /* draw frame codes */
+    int overlay, codes;      /* drawn over the pictures; an overlay has the codes, too */
+    const char *video;       /* file, or NULL */
+    double rate;             /* frames a second of the video; 0: as the frames' step says, else 30 */
+    const char *remake;      /* side-car of the picture to make again, or NULL */
 } gw_picture_options;
 
 extern const struct argp gw_picture_argp; /* its input is a gw_picture_options */

@@ -34,27 +34,48 @@ static gw_stereo own_stereo(const gw_rank *rank) {
 /* --- a frame
  * ---------------------------------------------------------------------------------------------------- */
 
-static gw_code draw(gw_rank *rank, const gw_release *release, gw_done *done, gw_error *error) {
+static gw_code draw_scene(gw_rank *rank, const gw_release *release, gw_done *done, gw_error *error) {
     const gw_tile *tile = own_tile(rank);
     const gw_layout *layout = &rank->site.layout;
     gw_similarity placement;
-    int64_t begin = gw_now_ns();
-    gw_code code = gw_tile_fault_strike(rank->options.tile_faults, rank->options.tile_fault_count,
-                                        (uint32_t)rank->number, release->number, error);
-    if (code || rank->options.gate_only)
-        return code;
-    code = gw_place_frame(&rank->share.scene.scene, &release->state, layout->size[0], layout->size[1],
-                          layout->centre, layout->eye, &placement, error);
+    const int64_t begin = gw_now_ns();
+    gw_code code = gw_place_frame(&rank->share.scene.scene, &release->state, layout->size[0], layout->size[1],
+                                  layout->centre, layout->eye, &placement, error);
     if (!code)
         code = gw_stereo_draw(rank->renderer, &placement, own_stereo(rank), tile, &release->state,
                               rank->eye_pixels, rank->pixels, &done->counters, error);
     done->render_ns = gw_now_ns() - begin;
+    const double blend_ms = (double)gw_renderer_take_blend_ns(rank->renderer) * 1e-6;
+    rank->lane_ms[GW_LANE_BLEND] = (float)blend_ms;
+    rank->lane_ms[GW_LANE_TRACE] = (float)((double)done->render_ns * 1e-6 - blend_ms);
     if (!code && release->predict)
         code = gw_stereo_predict(&rank->share.scene.scene, &rank->share.octree, &placement, own_stereo(rank),
                                  tile, &release->state, &done->predicted, error);
+    return code;
+}
+
+static gw_code draw(gw_rank *rank, const gw_release *release, gw_done *done, gw_error *error) {
+    const gw_pattern_kind pattern = rank->options.pictures.pattern;
+    gw_code code = gw_tile_fault_strike(rank->options.tile_faults, rank->options.tile_fault_count,
+                                        (uint32_t)rank->number, release->number, error);
+    if (code || rank->options.gate_only)
+        return code;
+    rank->missed.skipped += release->number - rank->next;
+    rank->next = release->number + 1;
+    if (pattern)
+        gw_pattern_draw(pattern, &rank->site, (uint32_t)rank->number, rank->pixels);
+    else
+        code = draw_scene(rank, release, done, error);
+    if (!code)
+        code = gw_rank_decorate(rank, &release->state, done, error);
     if (!code && rank->options.out && gw_tile_writes_itself(rank, (uint32_t)rank->number))
-        code = gw_tile_write_pictures(rank, (uint32_t)rank->number, rank->pixels, release, error);
-    return code ? code : gw_present_stage(rank->present, rank->pixels, error);
+        code = gw_tile_write_pictures(rank, (uint32_t)rank->number, gw_rank_shown(rank), release, error);
+    if (code)
+        return code;
+    const int64_t begin = gw_now_ns();
+    code = gw_present_stage(rank->present, gw_rank_shown(rank), error);
+    gw_rank_time(rank, GW_LANE_PRESENT, begin);
+    return code;
 }
 
 void gw_rank_draw(gw_rank *rank, const gw_release *release, gw_done *done) {
@@ -69,9 +90,11 @@ void gw_rank_draw(gw_rank *rank, const gw_release *release, gw_done *done) {
 int gw_rank_present(gw_rank *rank, uint32_t *number, int64_t *when) {
     if (!rank->drawn)
         return 0;
+    const int64_t begin = gw_now_ns();
     *number = rank->drawn - 1;
     *when = gw_present_show(rank->present);
     rank->drawn = 0;
+    rank->lane_ms[GW_LANE_PRESENT] += (float)((double)(gw_now_ns() - begin) * 1e-6);
     return 1;
 }
 
@@ -147,6 +170,8 @@ static gw_code load(gw_rank *rank, gw_conductor *conductor, gw_error *error) {
     gw_code code = gw_rank_has_window(rank) ? gw_rank_open_device(rank, error) : GW_OK;
     if (!code && rank->number == 0)
         code = gw_model_import(model, draw, &rank->line.log, error);
+    if (!code && rank->number == 0 && rank->options.pictures.remake)
+        code = gw_side_car_check_scene(&rank->options.remade, model->scene, error);
     if (!code)
         code = gw_share_scene(&rank->share, model->scene, &options, error);
     if (!code)
@@ -177,8 +202,8 @@ static void pulse(void *context, double silence) {
     rank->attended = now;
 }
 
-/* The device, the renderer and the pixels of this rank's tile. */
-static gw_code prepare_drawing(gw_rank *rank, gw_conductor *conductor, gw_error *error) {
+/* The scene on the device, and what draws it. */
+static gw_code prepare_scene(gw_rank *rank, gw_conductor *conductor, gw_error *error) {
     gw_code code = load(rank, conductor, error);
     if (code)
         return code;
@@ -195,9 +220,21 @@ static gw_code prepare_drawing(gw_rank *rank, gw_conductor *conductor, gw_error 
                                    .settings = &rank->options.draw.settings,
                                    .force_features = rank->options.draw.force_effects,
                                    .forbid_features = rank->options.draw.forbid_effects,
+                                   .time_blending = rank->options.pictures.overlay,
                                    .log = &rank->line.log};
     code = gw_renderer_create(rank->model.device, &shared->scene.scene, &shared->octree, &options,
                               &rank->renderer, error);
+    if (!code)
+        gw_gl_set_pulse(rank->model.device, pulse, rank);
+    return code;
+}
+
+/* All that this rank's tile is drawn with; a test pattern needs no scene. */
+static gw_code prepare_drawing(gw_rank *rank, gw_conductor *conductor, gw_error *error) {
+    const int scene = rank->options.pictures.pattern == GW_PATTERN_NONE;
+    gw_code code = scene                      ? prepare_scene(rank, conductor, error)
+                   : gw_rank_has_window(rank) ? gw_rank_open_device(rank, error)
+                                              : GW_OK;
     if (code)
         return code;
     const gw_rectangle *rectangle = &own_tile(rank)->rectangle;
@@ -207,11 +244,9 @@ static gw_code prepare_drawing(gw_rank *rank, gw_conductor *conductor, gw_error 
     if (!code && scratch)
         code = gw_allocate((void **)&rank->eye_pixels, scratch, 1, "pixels of an eye", error);
     /* The window of the whole wall is the pilot's. */
-    if (!code && rank->options.windows != GW_WINDOWS_WALL)
+    if (!code && rank->model.device && rank->options.windows != GW_WINDOWS_WALL)
         code = gw_present_open(rank->model.device, &rank->site.panels[rank->number], rectangle->width,
                                rectangle->height, &rank->present, error);
-    if (!code)
-        gw_gl_set_pulse(rank->model.device, pulse, rank);
     return code;
 }
 
@@ -239,9 +274,11 @@ static gw_code follow(gw_rank *rank, gw_error *error) {
         gw_release release;
         uint32_t shown;
         int64_t when;
+        const int64_t begin = gw_now_ns();
         gw_code code = gw_gate_client_wait(&rank->gate, &release, error);
         if (code)
             return code;
+        gw_rank_time(rank, GW_LANE_WAIT, begin);
         if (gw_rank_present(rank, &shown, &when))
             gw_gate_client_presented(&rank->gate, shown, when);
         if (release.kind == GW_RELEASE_QUIT) {
@@ -251,7 +288,9 @@ static gw_code follow(gw_rank *rank, gw_error *error) {
         static gw_done done;
         gw_rank_draw(rank, &release, &done);
         const int pixels = !done.code && release.pixels;
+        const int64_t answering = gw_now_ns();
         code = gw_gate_client_answer(&rank->gate, &done, pixels ? rank->pixels : NULL, size, error);
+        gw_rank_time(rank, GW_LANE_GATE, answering);
         /* A live wall goes on without a tile that cannot draw; otherwise rank 0 ends the run. */
         if (!code && done.code && rank->options.live)
             code = gw_fail(error, (gw_code)done.code, "%s", done.text);

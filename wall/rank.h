@@ -10,6 +10,7 @@
 #include "wall/gate_client.h"
 #include "wall/link.h"
 #include "wall/model.h"
+#include "wall/overlay.h"
 #include "wall/present.h"
 #include "wall/share.h"
 #include "wall/sim_options.h"
@@ -29,6 +30,11 @@ typedef struct gw_rank {
     int size;                     /* ranks */
     int64_t begin, load_deadline; /* gw_now_ns clock */
     uint8_t *pixels;              /* of its tile, [height][width][4] */
+    uint8_t *shown;               /* the same with overlay and frame code; NULL: nothing is drawn over them */
+    gw_lanes lanes;               /* of the overlay */
+    float lane_ms[GW_LANES];      /* measured last */
+    gw_missed missed;             /* that this tile knows of */
+    uint32_t next;                /* number of the frame that it expects */
     uint8_t *eye_pixels;          /* of one eye, where the tile shows two; else NULL */
     gw_gate_client gate;          /* ranks above 0 */
     gw_gate *conducted;           /* rank 0 */
@@ -45,4 +51,15 @@ void gw_rank_draw(gw_rank *rank, const gw_release *release, gw_done *done);
  * been presented already. */
 int gw_rank_present(gw_rank *rank, uint32_t *number, int64_t *when);
 
+/* --- rank_picture.c */
+
+/* Notes how long that took since `begin` (gw_now_ns clock). */
+void gw_rank_time(gw_rank *rank, gw_lane lane, int64_t begin);
+/* The overlay of any tile, as this rank knows it, over a picture of that tile. */
+void gw_rank_overlay(const gw_rank *rank, uint32_t tile, const gw_frame_state *state, const gw_done *done,
+                     const gw_lanes *lanes, const gw_missed *missed, gw_image *image);
+/* Draws overlay and frame code over a copy of what was drawn, as the options want; fills in done->lanes. */
+gw_code gw_rank_decorate(gw_rank *rank, const gw_frame_state *state, gw_done *done, gw_error *error);
+/* What is shown and written: the pixels, or their copy. */
+const uint8_t *gw_rank_shown(const gw_rank *rank);
 #endif

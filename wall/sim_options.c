@@ -73,6 +73,10 @@ gw_code gw_wall_site(const gw_wall_options *options, gw_site *out, gw_error *err
 gw_code gw_wall_site_noting(const gw_wall_options *options, gw_site *out, gw_site_notes *notes,
                             gw_error *error) {
     memset(notes, 0, sizeof *notes);
+    if (options->given) {
+        *out = *options->given;
+        return gw_stereo_check(out, error);
+    }
     if (options->site &&
         (options->tiles_given || options->size_given || options->width_count || options->height_count))
         return gw_fail(error, GW_BAD_INPUT,
@@ -554,11 +558,16 @@ gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *he
     if (out->states && (out->still[0] > 0 || out->still[1] > 0))
         return gw_fail(error, GW_BAD_INPUT, "--states holds what stood still; leave out --still");
     if (out->pictures.pattern && (out->draw.scene || out->path))
-        return gw_fail(error, GW_BAD_INPUT, "--pattern is drawn instead of a scene; leave out --scene and --path");
+        return gw_fail(error, GW_BAD_INPUT,
+                       "--pattern is drawn instead of a scene; leave out --scene and --path");
     if (out->states && out->wall.eye_distance >= 0)
         return gw_fail(error, GW_BAD_INPUT, "--states holds where both eyes are; leave out --eye-distance");
     if (out->states && out->path)
         return gw_fail(error, GW_BAD_INPUT, "--states holds where every frame stands; leave out --path");
+    if (out->pictures.pattern && (out->windows == GW_WINDOWS_WALL || out->input))
+        return gw_fail(
+            error, GW_BAD_INPUT,
+            "--pattern has nothing to fly through; leave out --window and --input, or take --tile-windows");
     if (out->states && out->input)
         return gw_fail(error, GW_BAD_INPUT, "--states holds where every frame stands; leave out --input");
     if (out->draw.choose_gpu && out->windows == GW_WINDOWS_TILES)
@@ -567,5 +576,5 @@ gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *he
     if (out->states && out->gaze != GW_GAZE_FROM_TRACK)
         return gw_fail(error, GW_BAD_INPUT,
                        "--states holds the gaze of every frame; leave out --gaze and --no-gaze");
-    return GW_OK;
+    return out->pictures.remake ? gw_sim_options_remake(out, error) : GW_OK;
 }

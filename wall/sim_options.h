@@ -7,6 +7,7 @@
 #include "wall/build_together.h"
 #include "wall/options.h"
 #include "wall/picture_options.h"
+#include "wall/side_car.h"
 #include "wall/site.h"
 #include "wall/tile_fault.h"
 
@@ -19,6 +20,7 @@ typedef struct gw_wall_options {
     size_t width_count, height_count;                             /* 0: an even one */
     double wall_width, bezel;                                     /* mm */
     const char *site;
+    const gw_site *given; /* instead of all of this, or NULL; borrowed */
     int tiles_given, size_given, wall_width_given;
     gw_stereo stereo; /* of every panel, if stereo_given */
     int stereo_given;
@@ -51,6 +53,7 @@ typedef struct gw_sim_options {
     gw_draw_options draw; /* first: its parser is a child of this one's */
     gw_wall_options wall;
     gw_picture_options pictures;
+    gw_side_car remade;      /* of --remake */
     const char *track;       /* NULL: the embedded demo track */
     const char *path;        /* camera path of the scene, or NULL */
     const char *states;      /* recorded frame states to repeat, or NULL */
@@ -92,5 +95,8 @@ gw_site_times gw_sim_times(const gw_sim_options *options, const gw_site *site);
 
 /* argv[0] is "sim", "wall" or "rank". */
 gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *helped, gw_error *error);
+
+/* The part of it that --remake has: reads the side-car and puts what it holds into the options (remake.c). */
+gw_code gw_sim_options_remake(gw_sim_options *options, gw_error *error);
 
 #endif

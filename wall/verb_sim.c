@@ -6,6 +6,7 @@
 #include "wall/console.h"
 #include "wall/launcher.h"
 #include "wall/sim_options.h"
+#include "wall/video.h"
 
 #include <errno.h>
 #include <string.h>
@@ -19,6 +20,8 @@ static gw_code check_places(const gw_sim_options *options, gw_error *error) {
                        strerror(errno));
     if (!code)
         code = gw_file_writable(options->draw.report, error);
+    if (!code)
+        code = gw_video_check(options->pictures.video, error);
     return code ? code : gw_file_writable(options->save_states, error);
 }
 

@@ -37,11 +37,22 @@ static double round_up(double x) {
     return x <= scale ? scale : x <= 2 * scale ? 2 * scale : x <= 5 * scale ? 5 * scale : 10 * scale;
 }
 
+/* Frames that are shown: the run's first, in which kernels are compiled, only while there is no other. */
+static uint32_t kept_of(const gw_lanes *lanes) {
+    const uint32_t useful = lanes->count > 1 ? lanes->count - 1 : lanes->count;
+    return useful < GW_OVERLAY_FRAMES ? useful : GW_OVERLAY_FRAMES;
+}
+
+/* `age` frames ago, 0 the newest. */
+static const float *frame_of(const gw_lanes *lanes, uint32_t age) {
+    return lanes->ms[(lanes->count - 1 - age) % GW_OVERLAY_FRAMES];
+}
+
 /* Full height of all bars, ms. */
 static double scale_of(const gw_lanes *lanes) {
     double most = 0;
-    for (uint32_t i = 0; i < GW_OVERLAY_FRAMES && i < lanes->count; i++)
-        most = fmax(most, total_of(lanes->ms[i]));
+    for (uint32_t age = 0; age < kept_of(lanes); age++)
+        most = fmax(most, total_of(frame_of(lanes, age)));
     return round_up(most);
 }
 
@@ -50,9 +61,8 @@ static void draw_bars(gw_image *image, const gw_lanes *lanes, int64_t x, int64_t
                       int64_t height) {
     const double full = scale_of(lanes);
     const int64_t bar = width / GW_OVERLAY_FRAMES > 1 ? width / GW_OVERLAY_FRAMES : 1;
-    const uint32_t kept = lanes->count < GW_OVERLAY_FRAMES ? lanes->count : GW_OVERLAY_FRAMES;
-    for (uint32_t age = 0; age < kept; age++) {
-        const float *ms = lanes->ms[(lanes->count - 1 - age) % GW_OVERLAY_FRAMES];
+    for (uint32_t age = 0; age < kept_of(lanes); age++) {
+        const float *ms = frame_of(lanes, age);
         double below = 0;
         for (int lane = 0; lane < GW_LANES; lane++) {
             const double above = below + fmax(0, (double)ms[lane]);
@@ -69,12 +79,12 @@ static void draw_bars(gw_image *image, const gw_lanes *lanes, int64_t x, int64_t
 
 /* Mean of each lane over what is kept, with its colour. */
 static void draw_legend(gw_image *image, const gw_lanes *lanes, int64_t x, int64_t y, uint32_t scale) {
-    const uint32_t kept = lanes->count < GW_OVERLAY_FRAMES ? lanes->count : GW_OVERLAY_FRAMES;
+    const uint32_t kept = kept_of(lanes);
     char text[64];
     for (int lane = 0; lane < GW_LANES; lane++) {
         double sum = 0;
-        for (uint32_t i = 0; i < kept; i++)
-            sum += (double)lanes->ms[i][lane];
+        for (uint32_t age = 0; age < kept; age++)
+            sum += (double)frame_of(lanes, age)[lane];
         const int64_t row = y + lane * (int64_t)(GW_TEXT_LINE * scale);
         gw_box_draw(image, x, row, 6 * (int64_t)scale, 7 * (int64_t)scale, lane_colors[lane]);
         snprintf(text, sizeof text, "%-7s %7.2f", gw_lane_names[lane], kept ? sum / kept : 0.0);

@@ -26,6 +26,8 @@ static gw_code check_settings(const gw_sim_options *options, gw_error *error) {
 
 static gw_code check(const gw_sim_options *o, gw_error *error) {
     const gw_wall_options *wall = &o->wall;
+    if (o->cluster)
+        return gw_fail(error, GW_BAD_INPUT, "--remake makes one picture on one machine; use gazewall sim");
     if (wall->site || wall->tiles_given || wall->size_given || wall->width_count || wall->height_count ||
         wall->bezel > 0 || wall->stereo_given || wall->eye_distance >= 0)
         return refuse(error, "--site, --tiles, --size and their kin");

@@ -76,8 +76,8 @@ static const struct argp codes_argp = {.options = options_table,
                                            "  gazewall codes --tiles 3x2 --size 960x540 pictures/wall.png\n"
                                            "  gazewall codes --site wall.yaml --bezels photograph.jpg\n"};
 
-/* 1 when all tiles show one frame. */
-static int read_tiles(const gw_layout *layout, const gw_image *picture, int bezels) {
+/* GW_TILES_LOST unless all tiles show one frame. */
+static gw_code read_tiles(const gw_layout *layout, const gw_image *picture, int bezels, gw_error *error) {
     const uint32_t *size = bezels ? layout->framed : layout->picture;
     uint32_t frames[GW_MAXIMUM_TILES], read = 0, alike = 0;
     for (uint32_t i = 0; i < layout->tile_count; i++) {
@@ -103,12 +103,12 @@ static int read_tiles(const gw_layout *layout, const gw_image *picture, int beze
         }
     }
     if (read < layout->tile_count)
-        printf("%" PRIu32 " of %" PRIu32 " tiles could be read\n", read, layout->tile_count);
-    else if (alike < read)
-        puts("a mixed frame: the tiles do not show the same one");
-    else
-        printf("all %" PRIu32 " tiles show the same frame\n", read);
-    return alike == layout->tile_count;
+        return gw_fail(error, GW_TILES_LOST, "%" PRIu32 " of %" PRIu32 " tiles could be read", read,
+                       layout->tile_count);
+    if (alike < read)
+        return gw_fail(error, GW_TILES_LOST, "a mixed frame: the tiles do not show the same one");
+    printf("all %" PRIu32 " tiles show the same frame\n", read);
+    return GW_OK;
 }
 
 int gw_verb_codes(int argc, char **argv) {
@@ -117,7 +117,7 @@ int gw_verb_codes(int argc, char **argv) {
     gw_error error = {0};
     gw_bytes bytes = {0};
     gw_image picture = {0};
-    int helped = 0, alike = 0;
+    int helped = 0;
     options.error = &error;
     gw_wall_options_init(&options.wall, 2, 2);
     gw_code code = gw_arguments_parse(&codes_argp, argc, argv, &options, &helped, &error);
@@ -137,8 +137,8 @@ int gw_verb_codes(int argc, char **argv) {
     if (!code) {
         const int framed = picture.width == layout.framed[0] && picture.height == layout.framed[1] &&
                            !(picture.width == layout.picture[0] && picture.height == layout.picture[1]);
-        alike = read_tiles(&layout, &picture, options.bezels || framed);
+        code = read_tiles(&layout, &picture, options.bezels || framed, &error);
     }
     gw_image_finish(&picture);
-    return code ? gw_console_fail("codes", &error) : alike ? GW_OK : GW_TILES_LOST;
+    return code ? gw_console_fail("codes", &error) : GW_OK;
 }

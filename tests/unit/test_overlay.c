@@ -41,6 +41,7 @@ static void bars_are_as_high_as_their_times(void **state) {
     (void)state;
     gw_image image = grey(960, 540);
     gw_lanes lanes = {0};
+    gw_lanes_note(&lanes, (const float[GW_LANES]){0, 9000, 0, 0, 0}); /* kernels are compiled: left out */
     gw_lanes_note(&lanes, (const float[GW_LANES]){0, 40, 0, 0, 0});
     gw_lanes_note(&lanes, (const float[GW_LANES]){0, 20, 0, 30, 0});
     gw_overlay_draw(&image, &lanes, &someone);
@@ -62,7 +63,7 @@ static void old_frames_go(void **state) {
     gw_lanes lanes = {0}, young = {0};
     for (uint32_t i = 0; i < 3 * GW_OVERLAY_FRAMES; i++)
         gw_lanes_note(&lanes, (const float[GW_LANES]){0, i < GW_OVERLAY_FRAMES ? 400.0f : 10.0f, 0, 0, 0});
-    for (uint32_t i = 0; i < GW_OVERLAY_FRAMES; i++)
+    for (uint32_t i = 0; i <= GW_OVERLAY_FRAMES; i++)
         gw_lanes_note(&young, (const float[GW_LANES]){0, 10, 0, 0, 0});
     gw_overlay_draw(&image, &lanes, &someone);
     gw_overlay_draw(&fresh, &young, &someone);

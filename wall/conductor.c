@@ -48,6 +48,7 @@ gw_code gw_conductor_init(gw_conductor *conductor, struct gw_rank *rank, int arg
         code = gw_make_directories(options->out, error);
     if (!code && options->out)
         code = gw_conductor_open_rows(conductor, options->out, error);
+    gw_site_watch_begin(&conductor->watch, options->wall.site);
     if (!code)
         code = gw_pilot_open(rank, &conductor->pilot, error);
     if (!code)
@@ -130,6 +131,9 @@ static gw_code add_up(gw_conductor *conductor, const struct gw_rank *rank, const
             conductor->missing++;
             continue;
         }
+        if (!done->code && done->site != rank->site_epoch)
+            return gw_fail(error, GW_MACHINE, "tile %s drew frame %" PRIu32 " for another site",
+                           rank->site.layout.tiles[i].name, done->frame);
         if (done->code) {
             gw_code code = note_failure(conductor, rank, i, done, error);
             if (code)
@@ -174,8 +178,11 @@ static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_
     *last = is_last(conductor, rank, frame);
     gw_release release = {.kind = GW_RELEASE_FRAME, .last = (uint32_t)*last};
     release.pixels = (uint32_t)gw_conductor_wants_pixels(conductor, rank, *last);
+    gw_code code = gw_conductor_reload(conductor, rank, frame, error);
+    if (code)
+        return code;
     release.predict = release.last || rank->options.out || gw_budget_is_on(&conductor->budget);
-    gw_code code = gw_conductor_make_state(conductor, rank, frame, &release.state, error);
+    code = gw_conductor_make_state(conductor, rank, frame, &release.state, error);
     conductor->states[gw_kept(conductor, frame)] = release.state;
     int64_t begin = gw_now_ns();
     if (code)
@@ -198,7 +205,7 @@ static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_
     const uint8_t *pixels[GW_MAXIMUM_TILES], *shown[GW_MAXIMUM_TILES];
     const gw_done *done[GW_MAXIMUM_TILES];
     gw_counters sum;
-    double slowest;
+    double slowest = 0;
     code = add_up(conductor, rank, &own, frame, pixels, done, &sum, &slowest, error);
     if (code)
         return code;

@@ -11,6 +11,7 @@
 #include "wall/gate.h"
 #include "wall/overlay.h"
 #include "wall/pilot.h"
+#include "wall/site_watch.h"
 #include "wall/video.h"
 
 #include <jansson.h>
@@ -52,6 +53,8 @@ typedef struct gw_conductor {
     gw_gate *gate;
     gw_pilot *pilot;                  /* NULL when nobody steers */
     FILE *rows;                       /* frames.csv, or NULL */
+    gw_site_watch watch;              /* the site file */
+    uint32_t reloads;                 /* how often another site was taken over: its number */
     gw_lanes *lanes;                  /* [tile_count], for the overlay, or NULL */
     uint8_t *shown[GW_MAXIMUM_TILES]; /* pixels with overlay and frame code, or NULL */
     gw_video *video;                  /* or NULL */

@@ -30,6 +30,10 @@ gw_code gw_conductor_open_rows(gw_conductor *conductor, const char *folder, gw_e
 void gw_conductor_write_row(gw_conductor *conductor, uint32_t frame, const gw_counters *sum, double presented,
                             double slowest);
 
+/* Before a frame: takes over the site file if it was changed (conductor_reload.c). A wrong one is told, and
+ * the wall goes on as it was. */
+gw_code gw_conductor_reload(gw_conductor *conductor, struct gw_rank *rank, uint32_t frame, gw_error *error);
+
 /* --- conductor_pictures.c: what becomes of a frame's pixels */
 
 /* Opens the video and makes room for what is drawn over the pictures. */

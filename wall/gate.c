@@ -40,6 +40,10 @@ typedef struct member {
     uint32_t probation;  /* frames in a row that make it live again */
     int pong_due;
     uint32_t echo;
+    uint32_t site;        /* number of the site that it has */
+    uint32_t site_coming; /* and of the one that is on its way to it, if there is one */
+    int site_under_way;
+    gw_site *site_sent; /* what is on its way: a copy, because a newer one may come meanwhile */
     gw_answer incoming;
     size_t pixel_bytes;
 } member;
@@ -53,7 +57,9 @@ struct gw_gate {
     void *died_context;
     int live;
     int64_t silence, looked, nap;
-    uint32_t next;      /* number of the next frame */
+    uint32_t next; /* number of the next frame */
+    gw_site *site; /* the one that holds, once it is not the one of the start any more */
+    uint32_t site_epoch;
     gw_release current; /* of the frame in work */
     gw_bell bell;
     gw_swap_skew swaps;
@@ -115,7 +121,9 @@ void gw_gate_destroy(gw_gate **gate) {
         if (m->wire)
             m->wire->close(m->wire);
         free(m->tile.pixels);
+        free(m->site_sent);
     }
+    free((*gate)->site);
     free((*gate)->members);
     gw_swap_skew_finish(&(*gate)->swaps);
     gw_bell_close(&(*gate)->bell);
@@ -230,7 +238,8 @@ static void send_pong(gw_gate *gate, member *m, int64_t silence) {
                        .number = gate->current.number,
                        .silence_ms = (uint32_t)(silence / millisecond),
                        .echo = m->echo};
-    if (send(gate, m, &pong) == GW_WIRE_DONE) {
+    /* Nothing comes between a site's announcement and the site. */
+    if (!m->site_under_way && send(gate, m, &pong) == GW_WIRE_DONE) {
         m->pong_due = 0;
         m->echo = 0;
     }
@@ -293,9 +302,43 @@ static void take_answer(gw_gate *gate, member *m) {
         complete(gate, m);
 }
 
+static int announce_site(gw_gate *gate, member *m) {
+    gw_error error = {0};
+    gw_release word = {.kind = GW_RELEASE_SITE,
+                       .number = gate->current.number,
+                       .silence_ms = (uint32_t)(gate->silence / millisecond),
+                       .site = gate->site_epoch};
+    if (!m->site_sent && gw_allocate((void **)&m->site_sent, 1, sizeof *m->site_sent, "site", &error)) {
+        break_wire(gate, m, error.text);
+        return 0;
+    }
+    if (send(gate, m, &word) != GW_WIRE_DONE)
+        return 0;
+    *m->site_sent = *gate->site;
+    m->site_coming = gate->site_epoch;
+    m->site_under_way = 1;
+    return 1;
+}
+
+/* 1 when it has the site of the frame in work, or needs none; else sends what it can of it. */
+static int has_site(gw_gate *gate, member *m) {
+    if (m->site == gate->current.site)
+        return 1;
+    if (!m->site_under_way && !announce_site(gate, m))
+        return 0;
+    gw_wire_result result = m->wire->send_block(m->wire, m->site_sent, sizeof *m->site_sent);
+    if (result == GW_WIRE_BROKEN)
+        break_wire(gate, m, "the line to it broke");
+    if (result != GW_WIRE_DONE)
+        return 0;
+    m->site_under_way = 0;
+    m->site = m->site_coming;
+    return m->site == gate->current.site;
+}
+
 /* Sends it the frame in work, unless something else is still on its way to it. */
 static void send_due(gw_gate *gate, member *m) {
-    if (!m->due || send(gate, m, &gate->current) != GW_WIRE_DONE)
+    if (!m->due || !has_site(gate, m) || send(gate, m, &gate->current) != GW_WIRE_DONE)
         return;
     m->due = 0;
     m->outstanding = 1;
@@ -359,11 +402,22 @@ static int look(gw_gate *gate) {
 /* --- a frame
  * ---------------------------------------------------------------------------------------------------- */
 
+gw_code gw_gate_take_site(gw_gate *gate, const gw_site *site, uint32_t epoch, gw_error *error) {
+    gw_code code =
+        gate->site ? GW_OK : gw_allocate((void **)&gate->site, 1, sizeof *gate->site, "site", error);
+    if (code)
+        return code;
+    *gate->site = *site;
+    gate->site_epoch = epoch;
+    return GW_OK;
+}
+
 void gw_gate_release(gw_gate *gate, gw_release *release) {
     release->kind = GW_RELEASE_FRAME;
     release->number = gate->next++;
     release->silence_ms = (uint32_t)(gate->silence / millisecond);
-    release->echo = release->reserved = 0;
+    release->echo = 0;
+    release->site = gate->site_epoch;
     gate->current = *release;
     for (uint32_t i = 1; i < gate->count; i++)
         gate->members[i].tile.complete = gate->members[i].due = 0;
@@ -473,7 +527,7 @@ static uint32_t say_quit(gw_gate *gate) {
         if (!m->wire || m->left)
             continue;
         /* A lost one may only be slow: the word waits for it in its queue. */
-        if (!m->told && send(gate, m, &quit) == GW_WIRE_DONE)
+        if (!m->told && !m->site_under_way && send(gate, m, &quit) == GW_WIRE_DONE)
             m->told = 1;
         waiting += m->wire && m->tile.state != GW_TILE_LOST;
     }

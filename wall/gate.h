@@ -16,6 +16,7 @@
 #include "wall/gate_message.h"
 #include "wall/layout.h"
 #include "wall/share.h"
+#include "wall/site.h"
 #include "wall/swap_skew.h"
 
 #include <stdint.h>
@@ -74,7 +75,11 @@ typedef struct gw_gate_options {
 gw_code gw_gate_create(const gw_gate_options *options, gw_gate **out, gw_error *error);
 void gw_gate_destroy(gw_gate **gate);
 
-/* Releases every tile that waits into the frame; numbers it, and fills in kind, clock and silence. */
+/* From the next frame on this site holds, number `epoch`: every tile gets it before it is released into a
+ * frame. Tiles and their pixels are as before. */
+gw_code gw_gate_take_site(gw_gate *gate, const gw_site *site, uint32_t epoch, gw_error *error);
+/* Releases every tile that waits into the frame; numbers it, and fills in kind, clock, silence and site.
+ */
 void gw_gate_release(gw_gate *gate, gw_release *release);
 /* Takes what has come and answers beats: from within rank 0's own drawing, so that nobody takes it for dead.
  * silence: ns for which rank 0 may not be heard, because a kernel is compiled; 0: as usual. */

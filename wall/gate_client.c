@@ -71,6 +71,17 @@ static gw_code listen(gw_gate_client *client, gw_error *error) {
         uint8_t message[GW_WIRE_MESSAGE];
         gw_release release;
         size_t size = 0;
+        if (client->site_due) {
+            gw_wire_result block =
+                client->wire->receive_block(client->wire, &client->site, sizeof client->site);
+            if (block == GW_WIRE_NOT_YET)
+                return GW_OK;
+            if (block == GW_WIRE_BROKEN)
+                return gw_fail(error, GW_ENDED_EARLY, "rank 0 was lost: the line to it broke");
+            client->site_due = 0;
+            client->site_epoch = client->site_coming;
+            client->heard = gw_now_ns();
+        }
         gw_wire_result result = client->wire->receive(client->wire, message, &size);
         if (result == GW_WIRE_NOT_YET)
             return GW_OK;
@@ -85,6 +96,9 @@ static gw_code listen(gw_gate_client *client, gw_error *error) {
                 client->beat_out = 0;
                 learn_clock(client, client->heard, release.clock);
             }
+        } else if (release.kind == GW_RELEASE_SITE) {
+            client->site_due = 1;
+            client->site_coming = release.site;
         } else {
             client->release = release;
             client->has_release = 1;

@@ -8,6 +8,7 @@
 #include "wall/bell.h"
 #include "wall/gate_message.h"
 #include "wall/share.h"
+#include "wall/site.h"
 #include "wall/wire.h"
 
 #include <stdint.h>
@@ -21,7 +22,11 @@ typedef struct gw_gate_client {
     int beat_out;                   /* it is not answered yet */
     int64_t beat_at;
     int64_t offset, offset_error; /* ns, to add to this clock for rank 0's; error negative: not known */
-    int has_release;              /* one came while this tile drew */
+    gw_site site;                 /* the last one that came */
+    uint32_t site_epoch;          /* its number; 0: none came */
+    uint32_t site_coming;         /* number of the one that is on its way, if site_due */
+    int site_due;
+    int has_release; /* one came while this tile drew */
     gw_release release;
     uint32_t number;             /* of the frame in work */
     uint32_t presented;          /* what goes with the next answer */

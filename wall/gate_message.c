@@ -22,5 +22,5 @@ int gw_answer_check(gw_answer *answer, size_t size) {
 }
 
 int gw_release_check(const gw_release *release, size_t size) {
-    return size == sizeof *release && release->kind >= GW_RELEASE_FRAME && release->kind <= GW_RELEASE_PONG;
+    return size == sizeof *release && release->kind >= GW_RELEASE_FRAME && release->kind <= GW_RELEASE_SITE;
 }

@@ -18,7 +18,8 @@
 typedef enum gw_release_kind {
     GW_RELEASE_FRAME = 1, /* present what you drew last, then draw this */
     GW_RELEASE_QUIT,      /* present what you drew last, then leave */
-    GW_RELEASE_PONG       /* an answer to a beat, or a word that rank 0 lives */
+    GW_RELEASE_PONG,      /* an answer to a beat, or a word that rank 0 lives */
+    GW_RELEASE_SITE       /* a gw_site follows as a block; the frames that name it hold for it */
 } gw_release_kind;
 
 typedef struct gw_release {
@@ -29,7 +30,7 @@ typedef struct gw_release {
     uint32_t predict;    /* 1: the predicted error is wanted */
     uint32_t silence_ms; /* rank 0 will be heard again within this time, or it is lost */
     uint32_t echo;       /* PONG: the beat that it answers; 0: none */
-    uint32_t reserved;   /* 0 */
+    uint32_t site;       /* the site that holds: 0 the one of the start, then 1, 2, ... */
     int64_t clock;       /* ns, of rank 0 when it sent this */
     gw_frame_state state;
 } gw_release;
@@ -40,6 +41,8 @@ typedef struct gw_done {
     uint32_t frame;
     int32_t code;          /* gw_code; not 0: text says why, and no pixels follow */
     int64_t render_ns;     /* time in gw_renderer_frame */
+    uint32_t site;         /* for which it was drawn */
+    uint32_t reserved;     /* 0 */
     float lanes[GW_LANES]; /* ms, of the overlay: what surrounds the drawing is of the frame before */
     gw_counters counters;
     gw_predicted_error predicted; /* of its tile, if it was wanted */

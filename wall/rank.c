@@ -60,6 +60,11 @@ static gw_code draw(gw_rank *rank, const gw_release *release, gw_done *done, gw_
                                         (uint32_t)rank->number, release->number, error);
     if (code || rank->options.gate_only)
         return code;
+    if (release->site != rank->site_epoch)
+        return gw_fail(error, GW_MACHINE,
+                       "frame %" PRIu32 " is of site %" PRIu32 ", and this tile has site %" PRIu32,
+                       release->state.frame, release->site, rank->site_epoch);
+    done->site = rank->site_epoch;
     rank->missed.skipped += release->number - rank->next;
     rank->next = release->number + 1;
     if (pattern)
@@ -96,6 +101,19 @@ int gw_rank_present(gw_rank *rank, uint32_t *number, int64_t *when) {
     rank->drawn = 0;
     rank->lane_ms[GW_LANE_PRESENT] += (float)((double)(gw_now_ns() - begin) * 1e-6);
     return 1;
+}
+
+gw_code gw_rank_take_site(gw_rank *rank, const gw_site *site, uint32_t epoch, gw_error *error) {
+    const gw_rectangle *now = &own_tile(rank)->rectangle, *new = &site->layout.tiles[rank->number].rectangle;
+    if (site->layout.tile_count != rank->site.layout.tile_count || now->width != new->width ||
+        now->height != new->height)
+        return gw_fail(error, GW_MACHINE, "a new site came whose tiles are not those of this run");
+    rank->site = *site;
+    rank->site_epoch = epoch;
+    free(rank->eye_pixels);
+    rank->eye_pixels = NULL;
+    const size_t scratch = gw_stereo_scratch(own_stereo(rank), own_tile(rank));
+    return scratch ? gw_allocate((void **)&rank->eye_pixels, scratch, 1, "pixels of an eye", error) : GW_OK;
 }
 
 /* Instead of a frozen frame: why this tile ends. Nothing more can be done about a failure here. */
@@ -285,6 +303,10 @@ static gw_code follow(gw_rank *rank, gw_error *error) {
             gw_gate_client_leave(&rank->gate);
             return GW_OK;
         }
+        if (release.site != rank->site_epoch && release.site == rank->gate.site_epoch)
+            code = gw_rank_take_site(rank, &rank->gate.site, release.site, error);
+        if (code)
+            return code;
         static gw_done done;
         gw_rank_draw(rank, &release, &done);
         const int pixels = !done.code && release.pixels;

@@ -21,8 +21,9 @@
 typedef struct gw_rank {
     gw_sim_options options;
     gw_site site;
-    gw_link line;   /* to the launcher */
-    gw_model model; /* rank 0: scene and octree until they are shared */
+    uint32_t site_epoch; /* number of it: 0 the one of the start */
+    gw_link line;        /* to the launcher */
+    gw_model model;      /* rank 0: scene and octree until they are shared */
     gw_share share;
     gw_together together; /* rank 0: who built the octree */
     gw_renderer *renderer;
@@ -50,6 +51,9 @@ void gw_rank_draw(gw_rank *rank, const gw_release *release, gw_done *done);
 /* Presents what was drawn last: 1, and its frame's number and when that was (gw_now_ns clock). 0 when it has
  * been presented already. */
 int gw_rank_present(gw_rank *rank, uint32_t *number, int64_t *when);
+
+/* From here on the tile is drawn for another site, in which its pixels are the same. */
+gw_code gw_rank_take_site(gw_rank *rank, const gw_site *site, uint32_t epoch, gw_error *error);
 
 /* --- rank_picture.c */
 

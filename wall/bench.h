@@ -42,8 +42,9 @@ gw_code gw_bench_layouts(gw_bench *bench, gw_error *error);
 /* Options of a renderer of pictures: the effects that the command line forces and forbids. count: of work. */
 gw_renderer_options gw_bench_rendering(const gw_bench *bench, int count);
 
-/* The rays of the default wall's pixels, bench->size or the benches' default, in rebased space; free() them.
- */
+/* Size of the picture whose rays they are: bench->size or the benches' default. */
+void gw_bench_ray_size(const gw_bench *bench, uint32_t size[2]);
+/* The rays of the default wall's pixels, in rebased space; free() them. */
 gw_code gw_bench_rays(const gw_bench *bench, gw_ray **rays, size_t *count, gw_error *error);
 
 /* Builds against rebuilds of an animated scene, pose after pose. Fails if they differ. */

@@ -1,10 +1,11 @@
 /* `gazewall bench peers`: the same primary rays through this octree, on the GL device, and through Embree, on
  * the processor, in turns. Embree is loaded when asked for, so that the program runs where it is not
  * installed. */
-#include "wall/bench.h"
+#include "wall/bench_view.h"
 
 #include "base/clock.h"
 #include "base/memory.h"
+#include "render/features.h"
 #include "render/renderer.h"
 #include "wall/peer.h"
 #include "wall/report.h"
@@ -22,6 +23,10 @@ static const double same_distance = 1e-4;
  * to about 2, and a dozen of their last bits go into an edge function. */
 static const double rounding = 1e-6;
 
+/* What is aimed at: our rate of rays over the peer's, and the peer's time for a full frame over ours for a
+ * foveated one. */
+static const double rate_target = 0.7, foveated_target = 3.0;
+
 typedef struct comparison {
     uint64_t rays, both_miss, same;
     uint64_t neighbour; /* other triangle at the same distance: shared edges, coincident surfaces */
@@ -35,12 +40,34 @@ typedef struct peers {
     gw_bench *bench;
     gw_renderer *renderer;
     gw_peer *peer;
+    int by_processor; /* 1: times are the process's processors' */
     size_t count;
     gw_ray *rays;
     gw_hit *ours, *theirs;
     double our_ms[1000], their_ms[1000];
     double kernel_ms[1000]; /* of ours, without copying rays and hits to and from the device */
+    gw_bench_view view;     /* whose rays they are */
+    gw_frame_state state;   /* of the foveated frame */
+    uint8_t *picture;
+    uint64_t foveated_rays;
+    double foveated_ms[1000];
 } peers;
+
+/* Software GL traces on the processors of this process as the peer does, and others may use them, too. */
+static int64_t clock_of(const peers *p) {
+    return p->by_processor ? gw_processor_ns() : gw_now_ns();
+}
+
+/* Sampling, tracing, shading, reconstruction and the way back of the pixels. */
+static gw_code draw_foveated(peers *p, double *ms, gw_error *error) {
+    gw_counters counters = {0};
+    int64_t begin = clock_of(p);
+    gw_code code = gw_renderer_frame(p->renderer, &p->view.placement, &p->view.plane, &p->view.rectangle,
+                                     &p->state, p->picture, &counters, error);
+    *ms = (double)(clock_of(p) - begin) * 1e-6;
+    p->foveated_rays = counters.rays;
+    return code;
+}
 
 static gw_code trace_both(peers *p, uint32_t repeats, gw_error *error) {
     gw_code code = gw_allocate((void **)&p->ours, p->count, sizeof *p->ours, "hits", error);
@@ -49,17 +76,21 @@ static gw_code trace_both(peers *p, uint32_t repeats, gw_error *error) {
     static const gw_trace_variant shipped;
     /* Run 0 warms up both: kernels, caches, threads. */
     for (uint32_t i = 0; i <= repeats && !code; i++) {
-        int64_t begin = gw_now_ns();
+        int64_t begin = clock_of(p);
         gw_trace_time kernels = {0};
         code = gw_renderer_trace_variant(p->renderer, &shipped, p->rays, p->count, p->ours, NULL, &kernels,
                                          error);
-        int64_t middle = gw_now_ns();
+        int64_t middle = clock_of(p);
         if (!code)
             code = gw_peer_trace(p->peer, p->rays, p->count, p->theirs, error);
-        int64_t end = gw_now_ns();
+        int64_t end = clock_of(p);
+        double foveated = 0;
+        if (!code)
+            code = draw_foveated(p, &foveated, error);
         if (i > 0) {
+            p->foveated_ms[i - 1] = foveated;
             p->our_ms[i - 1] = (double)(middle - begin) * 1e-6;
-            p->kernel_ms[i - 1] = kernels.wall_ms;
+            p->kernel_ms[i - 1] = p->by_processor ? kernels.processor_ms : kernels.wall_ms;
             p->their_ms[i - 1] = (double)(end - middle) * 1e-6;
         }
         gw_log_progress(&p->bench->console.log, "tracing in turns", (double)(i + 1) / (repeats + 1));
@@ -123,6 +154,7 @@ static comparison compare_hits(const peers *p) {
 static void report_peers(peers *p, const comparison *c, uint32_t repeats, const gw_spread *ours,
                          const gw_spread *theirs) {
     double rays = (double)p->count, kernels = gw_spread_of(p->kernel_ms, repeats).median;
+    double foveated = gw_spread_of(p->foveated_ms, repeats).median;
     json_t *hits = json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f}", "rays", (json_int_t)c->rays,
                              "both_miss", (json_int_t)c->both_miss, "same", (json_int_t)c->same, "neighbour",
                              (json_int_t)c->neighbour, "edge_ours", (json_int_t)c->edge_ours, "edge_theirs",
@@ -130,12 +162,17 @@ static void report_peers(peers *p, const comparison *c, uint32_t repeats, const 
                              "largest_difference", c->largest_difference);
     json_object_set_new(
         p->bench->report, "bench",
-        json_pack("{s:s, s:s, s:s, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:o}", "name", "peers", "peer",
+        json_pack("{s:s, s:s, s:s, s:s, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:o, s:f, s:f, s:{s:f, s:I, "
+                  "s:f, s:f}}",
+                  "name", "peers", "clock", p->by_processor ? "processor" : "wall", "peer",
                   gw_peer_name(p->peer), "peer_mode", "rtcIntersect1, robust", "repeats", (int)repeats,
                   "our_median_ms", ours->median, "their_median_ms", theirs->median, "our_rays_per_s",
                   rays / (ours->median * 1e-3), "their_rays_per_s", rays / (theirs->median * 1e-3), "ratio",
                   ours->median / theirs->median, "our_kernels_median_ms", kernels, "ratio_of_kernels",
-                  kernels / theirs->median, "hits", hits));
+                  kernels / theirs->median, "hits", hits, "rate_over_peer", theirs->median / ours->median,
+                  "rate_target", rate_target, "foveated", "median_ms", foveated, "rays",
+                  (json_int_t)p->foveated_rays, "peer_full_over_foveated", theirs->median / foveated,
+                  "target", foveated_target));
 }
 
 static gw_code write_rows(const peers *p, uint32_t repeats, gw_error *error) {
@@ -144,19 +181,25 @@ static gw_code write_rows(const peers *p, uint32_t repeats, gw_error *error) {
     FILE *stream = open_memstream(&text, &size);
     if (!stream)
         return gw_fail(error, GW_MACHINE, "memory is out while writing results");
-    fputs("run,our_ms,their_ms\n", stream);
+    fputs("run,our_ms,their_ms,our_foveated_ms\n", stream);
     for (uint32_t i = 0; i < repeats; i++)
-        fprintf(stream, "%" PRIu32 ",%.3f,%.3f\n", i, p->our_ms[i], p->their_ms[i]);
+        fprintf(stream, "%" PRIu32 ",%.3f,%.3f,%.3f\n", i, p->our_ms[i], p->their_ms[i], p->foveated_ms[i]);
     fclose(stream);
     gw_code code = gw_bench_write(p->bench, "peers", text, size, error);
     free(text);
     return code;
 }
 
+static void print_target(const char *what, double value, double target) {
+    printf("  %s %.2f, target %.1f: %s\n", what, value, target, value >= target ? "met" : "not met");
+}
+
 static void print_summary(const peers *p, const comparison *c, uint32_t repeats, const gw_spread *ours,
                           const gw_spread *theirs) {
     double rays = (double)p->count, kernels = gw_spread_of(p->kernel_ms, repeats).median;
-    printf("%s: %zu primary rays, in turns, median (from to)\n", p->bench->model.scene->path, p->count);
+    const gw_spread foveated = gw_spread_of(p->foveated_ms, repeats);
+    printf("%s: %zu primary rays, in turns, by the %s clock, median (from to)\n", p->bench->model.scene->path,
+           p->count, p->by_processor ? "processor" : "wall");
     printf("  gazewall   %8.1f ms (%.1f to %.1f), %.2f million rays/s on %s\n", ours->median, ours->minimum,
            ours->maximum, rays / ours->median * 1e-3, gw_gl_limits_of(p->bench->model.device)->renderer);
     printf("   kernels   %8.1f ms, %.2f million rays/s: without copying rays and hits\n", kernels,
@@ -166,6 +209,12 @@ static void print_summary(const peers *p, const comparison *c, uint32_t repeats,
            rays / theirs->median * 1e-3);
     printf("  ratio of the medians %.2f, without copies %.2f\n", ours->median / theirs->median,
            kernels / theirs->median);
+    print_target("our rate over theirs", theirs->median / ours->median, rate_target);
+    printf("  foveated   %8.1f ms (%.1f to %.1f), %.1f %% of the rays: sampled, traced, shaded, "
+           "reconstructed; without "
+           "shadows and mirrors\n",
+           foveated.median, foveated.minimum, foveated.maximum, 100.0 * (double)p->foveated_rays / rays);
+    print_target("their full frame over our foveated one", theirs->median / foveated.median, foveated_target);
     printf("  hits: %" PRIu64 " the same, %" PRIu64 " both miss, %" PRIu64
            " the neighbour at the same distance; distances within %.1e\n"
            "  an edge that only we hit %" PRIu64 ", that only they hit %" PRIu64 "; not explained %" PRIu64
@@ -177,7 +226,10 @@ static void print_summary(const peers *p, const comparison *c, uint32_t repeats,
 static gw_code measure(peers *p, gw_error *error) {
     gw_bench *bench = p->bench;
     uint32_t repeats = bench->repeats ? bench->repeats : bench->quick ? 2 : 7;
-    gw_renderer_options options = {.log = &bench->console.log};
+    gw_renderer_options options = gw_bench_rendering(bench, 0);
+    options.forbid_features |= GW_FEATURE_SHADOWS | GW_FEATURE_MIRROR; /* the peer traces primary rays */
+    gw_bench_path path = {.scene = bench->model.scene};
+    gw_bench_ray_size(bench, path.size);
     gw_code code = gw_peer_create(bench->model.scene, &p->peer, error);
     if (!code)
         code = gw_renderer_create(bench->model.device, bench->model.scene, bench->model.octree, &options,
@@ -185,7 +237,14 @@ static gw_code measure(peers *p, gw_error *error) {
     if (!code)
         code = gw_bench_rays(bench, &p->rays, &p->count, error);
     if (!code)
-        code = trace_both(p, repeats, error);
+        code = gw_bench_view_at(&path, 0, &p->view, error);
+    if (!code)
+        code = gw_allocate((void **)&p->picture, p->count, 4, "the picture", error);
+    if (code)
+        return code;
+    p->by_processor = gw_gl_limits_of(bench->model.device)->software;
+    p->state = gw_bench_target_state(bench, &p->view);
+    code = trace_both(p, repeats, error);
     if (code)
         return code;
     comparison c = compare_hits(p);
@@ -211,6 +270,7 @@ gw_code gw_bench_peers(gw_bench *bench, gw_error *error) {
     free(p->rays);
     free(p->ours);
     free(p->theirs);
+    free(p->picture);
     free(p);
     return code;
 }

@@ -24,16 +24,22 @@ static void aim_ray(gw_ray *ray, const gw_plane *plane, const gw_similarity *pla
     ray->maximum = 1e30f;
 }
 
+void gw_bench_ray_size(const gw_bench *bench, uint32_t size[2]) {
+    size[0] = bench->size[0];
+    size[1] = bench->size[1];
+    if (!size[0]) {
+        size[0] = bench->quick ? 160 : 1024;
+        size[1] = bench->quick ? 90 : 576;
+    }
+}
+
 gw_code gw_bench_rays(const gw_bench *bench, gw_ray **rays, size_t *count, gw_error *error) {
     gw_wall_options wall;
     gw_layout layout;
     gw_similarity placement;
     const gw_scene *scene = bench->model.scene;
-    uint32_t size[2] = {bench->size[0], bench->size[1]};
-    if (!size[0]) {
-        size[0] = bench->quick ? 160 : 1024;
-        size[1] = bench->quick ? 90 : 576;
-    }
+    uint32_t size[2];
+    gw_bench_ray_size(bench, size);
     gw_wall_options_init(&wall, 1, 1);
     wall.size[0] = size[0];
     wall.size[1] = size[1];

@@ -72,3 +72,27 @@ gw_frame_state gw_bench_state(const gw_bench *bench, const gw_bench_view *view, 
     state.time = (int64_t)(draw->time * 1e9);
     return state;
 }
+
+gw_frame_state gw_bench_target_state(const gw_bench *bench, const gw_bench_view *view) {
+    const double density = 192, radius = 0.075 * view->rectangle.width / density; /* px/deg, deg */
+    gw_settings settings = bench->draw.settings;
+    settings.gaze_half_width = settings.gaze_half_height = settings.gaze_margin = radius / 2;
+    /* Two pixels may share a ray where the finest period of 1/48 degree takes four: from the circle on. The
+     * period doubles once more over its radius. */
+    settings.acuity_slope = 1.0 / 48 / radius;
+    settings.sample_block = 2; /* log2 */
+    settings.samples = 0;      /* log2 */
+    const double *right = view->plane.step_x, *down = view->plane.step_y;
+    const double pitch = sqrt(gw_dot(right, right));
+    double towards[3] = {down[1] * right[2] - down[2] * right[1], down[2] * right[0] - down[0] * right[2],
+                         down[0] * right[1] - down[1] * right[0]};
+    const double away = pitch * density / tan(GW_PI / 180) / sqrt(gw_dot(towards, towards));
+    double viewer[3];
+    for (int i = 0; i < 3; i++)
+        viewer[i] = view->centre[i] + towards[i] * away;
+    gw_frame_state state;
+    gw_frame_begin(&state, 0, &settings, bench->draw.seed, GW_DEBUG_NONE);
+    gw_frame_stare(&state, viewer, view->centre, &settings);
+    memcpy(state.eye, view->eye, sizeof state.eye);
+    return state;
+}

@@ -34,4 +34,9 @@ gw_code gw_bench_view_at(const gw_bench_path *path, uint32_t frame, gw_bench_vie
 /* The state of such a view: the bench's settings, its eye, and a gaze at the centre or none. */
 gw_frame_state gw_bench_state(const gw_bench *bench, const gw_bench_view *view, int gazed);
 
+/* The first target of foveation in a view: whatever its distance, pixels as fine as 192 a degree are to the
+ * viewer; at the centre a circle of 15 % of the width, margin included, has a ray for each, up to twice its
+ * radius 2 x 2 share one, beyond 4 x 4. `samples` 1. */
+gw_frame_state gw_bench_target_state(const gw_bench *bench, const gw_bench_view *view);
+
 #endif

@@ -153,7 +153,9 @@ static const struct argp bench_argp = {
     .doc =
         "build: builds the scene's octree again and again; medians, phases, pairs, bytes a triangle.\n"
         "peers: traces the same primary rays through this octree and through Embree (libembree3), in turns; "
-        "ratio of the medians, and every hit on which they differ, by kind.\n"
+        "ratio of the medians, and every hit on which they differ, by kind; and a foveated frame of those "
+        "pixels "
+        "against the peer's full one. Targets with verdicts.\n"
         "modes: draws pairs of frames of a camera path with triangles only, voxels only, hybrid and "
         "foveated, in "
         "turns, in an octree of 512^3: rays, work, time against exact triangles, error and flicker against "

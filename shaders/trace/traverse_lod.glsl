@@ -101,38 +101,48 @@ void emit_hit() {
 uvec2 met_node; // of the cell in which the walk has stopped
 uint met_index;
 
+// One step, straight through as in trace/traverse_exact.glsl: down, on, or neither before a cell that is not walked into. True
+// there.
+bool take_step() {
+    int child_scale = scale - 1;
+    bool valid;
+    met_index = child_at(node_word, octant_at(child_scale), valid);
+    valid = valid && !leave_ahead;
+    COUNT_NODE(valid);
+    met_node = NODE(valid ? met_index : 0u);
+    bool coarse = accepted_error() >= 0.5 * float(1 << child_scale);
+    bool met = valid && (coarse || scale == voxel_scale || GW_NODE_KIND(met_node.y) != GW_KIND_INNER);
+    uint below = node_word_of(met_index, met_node);
+    ivec3 next;
+    float leave;
+    int highest = find_way_on(child_scale, next, leave);
+    int back = highest + 1;
+    uint ancestor = stack_pop(back);
+    stack_push(valid && !met ? child_scale : 0, below);
+    node_word = valid ? (met ? node_word : below) : ancestor;
+    scale = valid ? (met ? scale : child_scale) : back;
+    cell = valid ? cell : next;
+    cell_entry = valid ? cell_entry : leave;
+    in_root = valid || back <= OCTREE_DEPTH;
+#ifdef SHADOW_RAYS
+    in_root = in_root && cell_entry < ray_maximum;
+#endif
+    bool left = !valid && back > voxel_scale;
+    bool still_in_outer = left && outer_share > 0.0 && back == voxel_scale + 1;
+    voxel_scale = left ? (still_in_outer ? back : 0) : voxel_scale;
+    child_share = still_in_outer ? outer_share : child_share;
+    outer_share = left ? 0.0 : outer_share;
+    leave_ahead = false; // a step with it went on
+    return met;
+}
+
 // Leaves, descends and advances to the next occupied cell that is not walked into, or until the nearest hit is due.
 bool find_cell() {
     bool met = false;
     while (in_root && !met && (hit_t > cell_entry || leaf_again) && iterations < LOOP_BUDGET) {
         ++iterations;
         COUNT_STEP();
-        int child_scale = scale - 1;
-        bool valid;
-        met_index = child_at(node_word, octant_at(child_scale), valid);
-        valid = valid && !leave_ahead;
-        COUNT_NODE(valid);
-        if (valid) {
-            met_node = NODE(met_index);
-            bool coarse = accepted_error() >= 0.5 * float(1 << child_scale);
-            met = coarse || scale == voxel_scale || GW_NODE_KIND(met_node.y) != GW_KIND_INNER;
-            if (!met) {
-                scale = child_scale;
-                node_word = node_word_of(met_index, met_node);
-                stack_push(child_scale, node_word);
-            }
-        } else {
-            advance(child_scale);
-#ifdef SHADOW_RAYS
-            in_root = in_root && cell_entry < ray_maximum;
-#endif
-            bool left = scale > voxel_scale;
-            bool still_in_outer = left && outer_share > 0.0 && scale == voxel_scale + 1;
-            voxel_scale = left ? (still_in_outer ? scale : 0) : voxel_scale;
-            child_share = still_in_outer ? outer_share : child_share;
-            outer_share = left ? 0.0 : outer_share;
-            leave_ahead = false;
-        }
+        met = take_step();
     }
     return met;
 }

@@ -26,10 +26,12 @@ gw_navigation gw_navigation_of(const gw_similarity *placement, const double neut
 }
 
 int gw_navigation_is_asked(const gw_navigation_input *input) {
-    static const gw_navigation_input none;
-    gw_navigation_input rest = *input;
-    rest.haste = rest.notches = 0;
-    return memcmp(&rest, &none, sizeof none) != 0;
+    int asked = 0;
+    for (int k = 0; k < 3; k++)
+        asked |= input->move[k] != 0;
+    for (int k = 0; k < 2; k++)
+        asked |= input->turning[k] != 0 || input->turn[k] != 0;
+    return asked;
 }
 
 /* Moves from `at` by at most `step`, stopping short of what is in the way; *step becomes what is left of it,

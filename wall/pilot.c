@@ -94,7 +94,12 @@ static void take_keys(gw_pilot *pilot) {
         pilot->gaze = (pilot->gaze + 1) % 3;
 }
 
+/* While a file steers, a pointer that happens to stand in the window must not: the flight would be another
+ * one.
+ */
 static void take_window_event(gw_pilot *pilot, gw_event event) {
+    if (pilot->script_at < pilot->script.count && event.kind != GW_EVENT_CLOSE)
+        return;
     if (event.kind == GW_EVENT_POINTER)
         gw_wall_view_share(pilot->view, event.position, event.position);
     gw_controls_note(&pilot->controls, &event);

@@ -22,8 +22,9 @@ struct gw_window {
     GLFWwindow *handle;
     const gw_log *log;
     gw_window_wake wake;
-    gw_event events[MAXIMUM_EVENTS]; /* those of the last poll */
+    gw_event events[MAXIMUM_EVENTS]; /* since the last poll */
     size_t count;
+    int taken; /* a poll has given them away */
 };
 
 /* --- events
@@ -111,9 +112,16 @@ static void listen(gw_window *window) {
     glfwSetWindowCloseCallback(window->handle, on_close);
 }
 
-const gw_event *gw_window_poll(gw_window *window, size_t *count) {
-    window->count = 0;
+void gw_window_attend(gw_window *window) {
+    if (window->taken)
+        window->count = 0;
+    window->taken = 0;
     glfwPollEvents();
+}
+
+const gw_event *gw_window_poll(gw_window *window, size_t *count) {
+    gw_window_attend(window);
+    window->taken = 1;
     *count = window->count;
     return window->events;
 }

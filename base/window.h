@@ -74,6 +74,9 @@ typedef struct gw_event {
 /* What has happened since the last call, oldest first; of more than it can hold the newest are dropped, but a
  * close never is. Valid until the next call. */
 const gw_event *gw_window_poll(gw_window *window, size_t *count);
+/* Answers the window system, so that it does not take the window for hung during long work; what happens is
+ * kept for the next poll. Ends what an earlier poll gave. */
+void gw_window_attend(gw_window *window);
 /* Of its picture, px; 0 x 0 while it is iconified by hand. */
 void gw_window_size(const gw_window *window, uint32_t size[2]);
 /* Asks for another size; the desktop decides. */

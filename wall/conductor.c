@@ -110,6 +110,15 @@ static void count_lost(gw_conductor *conductor, const struct gw_rank *rank) {
         conductor->lost_count += gw_gate_tile_of(conductor->gate, i)->lost > 0;
 }
 
+/* A bit for each tile that is lost now. */
+static uint64_t lost_tiles(const gw_conductor *conductor, const struct gw_rank *rank) {
+    uint64_t lost = 0;
+    _Static_assert(GW_MAXIMUM_TILES <= 64, "a bit for each tile");
+    for (uint32_t i = 1; i < rank->site.layout.tile_count; i++)
+        lost |= (uint64_t)(gw_gate_tile_of(conductor->gate, i)->state == GW_TILE_LOST) << i;
+    return lost;
+}
+
 /* After the gate: adds up what the tiles did. *slowest in ms. */
 static gw_code add_up(gw_conductor *conductor, const struct gw_rank *rank, const gw_done *own, uint32_t frame,
                       const uint8_t **pixels, const gw_done **all, gw_counters *sum, double *slowest,
@@ -219,6 +228,7 @@ static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_
     code = gw_conductor_show(conductor, rank, &release, done, pixels, shown, error);
     const gw_pilot_facts facts = {.state = &release.state,
                                   .pixels = shown,
+                                  .lost = lost_tiles(conductor, rank),
                                   .milliseconds = (double)(end - begin) * 1e-6,
                                   .rays = sum.rays};
     return code ? code : gw_pilot_show(conductor->pilot, &facts, error);

@@ -142,7 +142,7 @@ int gw_pilot_wants_end(const gw_pilot *pilot) {
 }
 
 int gw_pilot_wants_pixels(const gw_pilot *pilot) {
-    return pilot && gw_gl_window(pilot->rank->model.device);
+    return pilot && pilot->rank->options.windows == GW_WINDOWS_WALL;
 }
 
 gw_pilot_gaze gw_pilot_gaze_of(const gw_pilot *pilot, double target[3]) {
@@ -233,6 +233,7 @@ gw_code gw_pilot_show(gw_pilot *pilot, const gw_pilot_facts *facts, gw_error *er
         return code;
     write_status(pilot, facts, status, sizeof status);
     const gw_wall_view_content content = {.pixels = facts->pixels,
+                                          .lost = facts->lost,
                                           .state = facts->state,
                                           .status = status,
                                           .help = pilot->help ? gw_controls_help : NULL,

@@ -40,7 +40,8 @@ gw_code gw_pilot_steer(gw_pilot *pilot, gw_frame_state *state, gw_error *error);
 /* What there is to tell about a frame. */
 typedef struct gw_pilot_facts {
     const gw_frame_state *state;
-    const uint8_t *const *pixels; /* of each tile, NULL for one that is missing */
+    const uint8_t *const *pixels; /* of each tile, NULL for one without this frame */
+    uint64_t lost;                /* bit i: tile i is lost */
     double milliseconds;          /* release to last pixel */
     uint64_t rays;
 } gw_pilot_facts;

@@ -205,9 +205,14 @@ static gw_code load(gw_rank *rank, gw_conductor *conductor, gw_error *error) {
     return code;
 }
 
+static void attend(void *context) {
+    gw_rank_attend(context);
+}
+
 /* Between slices of long work: whoever waits for this rank learns that it lives. */
 static void pulse(void *context, double silence) {
     gw_rank *rank = context;
+    gw_rank_attend(rank);
     if (rank->number > 0) {
         gw_gate_client_pulse(&rank->gate, silence);
         return;
@@ -265,6 +270,8 @@ static gw_code prepare_drawing(gw_rank *rank, gw_conductor *conductor, gw_error 
     if (!code && rank->model.device && rank->options.windows != GW_WINDOWS_WALL)
         code = gw_present_open(rank->model.device, &rank->site.panels[rank->number], rectangle->width,
                                rectangle->height, &rank->present, error);
+    rank->gate.idle = attend;
+    rank->gate.idle_context = rank;
     return code;
 }
 

@@ -61,3 +61,9 @@ gw_code gw_rank_open_device(struct gw_rank *rank, gw_error *error) {
         return gw_fail(error, GW_MACHINE, "not enough memory for the name of a display");
     return gw_gl_create(&device, &rank->model.device, error);
 }
+
+void gw_rank_attend(struct gw_rank *rank) {
+    gw_window *window = rank->model.device ? gw_gl_window(rank->model.device) : NULL;
+    if (window)
+        gw_window_attend(window);
+}

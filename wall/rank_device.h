@@ -12,5 +12,7 @@ struct gw_rank;
 int gw_rank_has_window(const struct gw_rank *rank);
 /* Opens rank->model.device unless it is open. */
 gw_code gw_rank_open_device(struct gw_rank *rank, gw_error *error);
+/* Answers the window system for the window of this rank, if it has one. */
+void gw_rank_attend(struct gw_rank *rank);
 
 #endif

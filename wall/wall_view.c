@@ -60,16 +60,16 @@ void gw_wall_view_share(const gw_wall_view *view, const double point[2], double 
 /* --- drawing
  * --------------------------------------------------------------------------------------------------- */
 
-static void upload_tiles(const gw_wall_view *view, const uint8_t *const *pixels) {
+static void upload_tiles(const gw_wall_view *view, const gw_wall_view_content *content) {
     glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
     for (uint32_t i = 0; i < view->layout->tile_count; i++) {
         const gw_tile *tile = &view->layout->tiles[i];
         const GLint x = (GLint)tile->framed[0], y = (GLint)tile->framed[1];
         const GLsizei width = (GLsizei)tile->rectangle.width, height = (GLsizei)tile->rectangle.height;
-        if (pixels[i])
+        if (content->pixels[i])
             glTextureSubImage2D(view->wall.texture, 0, x, y, width, height, GL_RGBA, GL_UNSIGNED_BYTE,
-                                pixels[i]);
-        else
+                                content->pixels[i]);
+        else if (content->lost >> i & 1)
             glClearTexSubImage(view->wall.texture, 0, x, y, 0, width, height, 1, GL_RGBA, GL_UNSIGNED_BYTE,
                                lost_color);
     }
@@ -154,7 +154,7 @@ static gw_code draw_help(gw_wall_view *view, const char *text, gw_error *error) 
 
 gw_code gw_wall_view_show(gw_wall_view *view, const gw_wall_view_content *content, gw_error *error) {
     arrange(view);
-    upload_tiles(view, content->pixels);
+    upload_tiles(view, content);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
     glClearColor(margin_color[0], margin_color[1], margin_color[2], 1);
     glClear(GL_COLOR_BUFFER_BIT);

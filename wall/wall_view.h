@@ -19,7 +19,8 @@ void gw_wall_view_close(gw_wall_view **view); /* before the device goes; accepts
 void gw_wall_view_share(const gw_wall_view *view, const double point[2], double share[2]);
 
 typedef struct gw_wall_view_content {
-    const uint8_t *const *pixels; /* of each tile ([height][width][4]), NULL for one that is missing */
+    const uint8_t *const *pixels; /* of each tile ([height][width][4]); NULL: it keeps its last picture */
+    uint64_t lost;                /* bit i: tile i is lost and shown as such */
     const gw_frame_state *state;
     const char *status; /* one line */
     const char *help;   /* lines, or NULL */

@@ -6,6 +6,7 @@
 
 float transmittance;  // in front of the current group of cells
 float group_opacity;  // of the group so far
+float group_lean;     // of it, what faces the ray minus what faces away
 float group_end;      // t at which its last cell ends
 
 // Less than this may remain of a ray before it counts as stopped, and less than that may a voxel count before it is not
@@ -31,13 +32,22 @@ void begin_group_if_apart(float entry) {
     precise float left = transmittance * (1.0 - group_opacity);
     transmittance = apart ? left : transmittance;
     group_opacity = apart ? 0.0 : group_opacity;
+    group_lean = apart ? 0.0 : group_lean;
 }
 
 // Adds one thing of the given opacity to the current group; the result is its weight in the pixel. sheet 1: part of the
-// group's surface; 0: a thing of its own, which what came before hides by chance.
-float composite(float opacity, float sheet) {
+// group's surface; 0: a thing of its own, which what came before hides by chance. lean 1: it faces the ray, -1: away from it, 0:
+// both or unknown. What a thing shows of its back lies behind what it shows of its front, be it in another cell: of the two sums
+// the larger counts, or a bar would be twice as thick where its front and its back lie in two cells.
+float composite(float opacity, float lean, float sheet) {
     float left = 1.0 - group_opacity;
-    precise float added = mix(opacity * left, min(opacity, left), sheet);
+#ifdef BACKS_COUNT
+    lean = 0.0; // the naive variant, for the test that shows why
+#endif
+    precise float front = opacity * min(1.0 + lean, 1.0), back = opacity * min(1.0 - lean, 1.0);
+    precise float unhidden = max(min(group_lean, 0.0) + front, min(-group_lean, 0.0) + back);
+    group_lean += front - back;
+    precise float added = mix(unhidden * left, min(unhidden, left), sheet);
     precise float weight = transmittance * added;
     group_opacity += added;
     return weight;

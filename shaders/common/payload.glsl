@@ -60,6 +60,7 @@ float absorbed(float x) {
 struct Voxel_opacity {
     float opacity;
     float owed;  // at least opacity: what the ray ought to have met of the cell's surface by the end of the cell, here or in the cells before
+    float lean;  // 1: all that is seen of it faces the ray, -1: away from it, 0: as much either way, or not told
     float sheet; // 1: part of a surface that goes on in the next cells; 0: a thing of its own, apart from what they hold
 };
 
@@ -71,7 +72,7 @@ struct Voxel_opacity {
 // slab: only rays that cross the plane are stopped, by the share of the plane's section that the surface fills. Beside a leaf
 // of triangles a cloud would let grazing rays through that have crossed the surface in it, a slab does not.
 // A separated cell is never a slab; the things in it hide each other by chance, as the particles of a fog do.
-// Constants measured on leaves and walls: docs/performance.md, "Error of voxels".
+// Constants measured on leaves and walls: docs/performance.md, "What voxels cover" and "Light through closed walls".
 Voxel_opacity payload_opacity(uvec3 payload, vec3 normal, vec3 enter, vec3 leave) {
     bool two_sided = (payload.x & GW_PAYLOAD_TWO_SIDED) != 0u;
     bool separated = (payload.x & GW_PAYLOAD_SEPARATED) != 0u;
@@ -85,7 +86,8 @@ Voxel_opacity payload_opacity(uvec3 payload, vec3 normal, vec3 enter, vec3 leave
     precise float leave_height = dot(normal, leave);
     precise float travel = length_precise(chord);
     float rise = abs(leave_height - enter_height);
-    precise float cloud = area * mix(0.5 * travel, rise, agreement);
+    precise float turned = mix(0.5 * travel, rise, agreement);
+    precise float cloud = area * turned;
     // Where normals were turned to one side before their mean was taken (a ridge, a fold), the mean says little of a ray
     // across it: normals at the angle acos(agreement) about it face that ray by up to the sine.
     bool solid = payload.y >> 24 == GW_PAYLOAD_SOLID; // of the seed rule
@@ -127,5 +129,9 @@ Voxel_opacity payload_opacity(uvec3 payload, vec3 normal, vec3 enter, vec3 leave
     precise float owed = mix(opacity, mix(cloud, crossed.y * part, slab_share), part * part);
     // What fills half of its plane's section or more, however rough, goes on beyond the cell.
     precise float sheet = min(2.0 * agreement * filled, 1.0) * (separated && two_sided ? slab_share : 1.0);
-    return Voxel_opacity(min(opacity, 1.0), min(owed, 1.0), sheet);
+    // Of what the ray sees by its normals the share more that faces one way; f and b of sum 1 and difference s are 1 and
+    // (1 - s) / (1 + s) of the larger. Flat walls are left alone: what their sheets give too much is what closes their gaps.
+    precise float one_way = clamp((two_sided ? one_sided : agreement) * rise / max(turned, 1e-6), 0.0, 1.0);
+    precise float lean = -way * 2.0 * one_way / (1.0 + one_way) * clamp(9.5 - 10.0 * agreement, 0.0, 1.0);
+    return Voxel_opacity(min(opacity, 1.0), min(owed, 1.0), lean, sheet);
 }

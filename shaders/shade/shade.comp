@@ -67,7 +67,8 @@ float composite_provisional(uint slot, float opacity, inout float left) {
     uint at = slot * GW_STATE_WORDS + GW_STATE_TRANSMITTANCE;
     transmittance = uintBitsToFloat(states[at]);
     group_opacity = uintBitsToFloat(states[at + 1u]);
-    float weight = composite(opacity, 1.0);
+    group_lean = 0.0; // a cut-out has no back of its own
+    float weight = composite(opacity, 0.0, 1.0);
     states[at + 1u] = floatBitsToUint(group_opacity);
     left = remaining();
     return weight;

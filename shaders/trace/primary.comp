@@ -62,6 +62,7 @@ void begin(Pixel_ray ray) {
 #ifdef OPACITY_STATE
     transmittance = 1.0;
     group_opacity = 0.0;
+    group_lean = 0.0;
     group_end = -1.0;
 #endif
 #ifdef LOD_STATE
@@ -112,7 +113,7 @@ uint emit_nearest() {
         in_root = true;
         return status | GW_STATUS_PROVISIONAL | GW_STATUS_SUSPENDED;
     }
-    fragments[at + 2u] = floatBitsToUint(composite(1.0, 1.0));
+    fragments[at + 2u] = floatBitsToUint(composite(1.0, 0.0, 1.0));
 #endif
     return status;
 }

@@ -76,6 +76,7 @@ void begin(Shadow_ray ray, float tau) {
     lod_clear = ray.clear;
     transmittance = 1.0;
     group_opacity = 0.0;
+    group_lean = 0.0;
     group_end = -1.0;
     voxel_scale = 0;
     leave_ahead = false;

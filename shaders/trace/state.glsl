@@ -15,6 +15,9 @@ void state_save(uint slot) {
     modes |= (uint(scale) << 16) | (uint(voxel_scale) << 21) | (uint(leaf_again) << 26) | (uint(in_root) << 27) |
              (uint(leave_ahead) << 28);
 #endif
+#ifdef ALPHA
+    modes |= (hit_flags & GW_TRIANGLE_ALPHA) << 29;
+#endif
     states[at] = uint(cell.x) | (uint(cell.y) << 16);
     states[at + 1u] = modes;
     states[at + 2u] = floatBitsToUint(cell_entry);
@@ -31,11 +34,9 @@ void state_save(uint slot) {
 #ifdef LOD_STATE
     states[at + 11u] = floatBitsToUint(child_share);
     states[at + 12u] = floatBitsToUint(leaf_share);
+    states[at + 13u] = floatBitsToUint(group_lean);
     states[at + 14u] = floatBitsToUint(voxel_given);
     states[at + 15u] = floatBitsToUint(outer_share);
-#endif
-#ifdef ALPHA
-    states[at + 13u] = hit_flags;
 #endif
 }
 
@@ -80,11 +81,12 @@ void state_load(uint slot) {
     leave_ahead = ((modes >> 28) & 1u) != 0u;
     child_share = uintBitsToFloat(states[at + 11u]);
     leaf_share = uintBitsToFloat(states[at + 12u]);
+    group_lean = uintBitsToFloat(states[at + 13u]);
     voxel_given = uintBitsToFloat(states[at + 14u]);
     outer_share = uintBitsToFloat(states[at + 15u]);
 #endif
 #ifdef ALPHA
-    hit_flags = states[at + 13u];
+    hit_flags = (modes >> 29) & 1u;
 #endif
 #ifdef LOD
     descend_to(int((modes >> 16) & 31u));

@@ -66,7 +66,7 @@ float emit_voxel(uint index, float share, bool child, int s, float leave) {
     given = 1.0; // the naive variant, for the test that shows why
 #endif
     precise float opacity = share * max(voxel.opacity, voxel.owed - given);
-    float weight = composite(opacity, voxel.sheet);
+    float weight = composite(opacity, voxel.lean, voxel.sheet);
     group_end = max(group_end, leave);
     COUNT_VOXEL();
     if (weight > LEAST_WEIGHT)
@@ -79,18 +79,22 @@ void forget_hit() {
     hit_triangle = GW_NO_TRIANGLE;
 }
 
+float lean_of_hit() {
+    return (hit_triangle & GW_HIT_BACK) == 0u ? 1.0 : -1.0;
+}
+
 // The nearest hit is confirmed: it becomes a fragment, and what remains of the ray looks for the next one behind it.
 void emit_hit() {
     begin_group_if_apart(hit_t);
     float weight = leaf_share;
 #if defined(SHADOW_RAYS) && defined(ALPHA)
-    weight = composite(leaf_share * alpha_of_hit(hit_triangle & ~GW_HIT_BACK, hit_t), 1.0);
+    weight = composite(leaf_share * alpha_of_hit(hit_triangle & ~GW_HIT_BACK, hit_t), 0.0, 1.0);
 #elif defined(ALPHA)
     provisional = (hit_flags & GW_TRIANGLE_ALPHA) != 0u;
     if (!provisional)
-        weight = composite(leaf_share, 1.0);
+        weight = composite(leaf_share, lean_of_hit(), 1.0);
 #else
-    weight = composite(leaf_share, 1.0);
+    weight = composite(leaf_share, lean_of_hit(), 1.0);
 #endif
     emit(hit_triangle & ~GW_HIT_BACK, hit_t, weight);
     floor_t = hit_t;

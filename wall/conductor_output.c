@@ -213,6 +213,7 @@ gw_code gw_conductor_finish(gw_conductor *conductor, struct gw_rank *rank, gw_er
         code = gw_fail(error, GW_NO_OUTPUT, "%s/frames.csv could not be written to its end", options->out);
     if (!code && options->save_states)
         code = gw_states_save(options->save_states, conductor->states, conductor->frame_count, error);
+    json_object_set_new(conductor->report, "site_reloads", json_integer(conductor->reloads));
     report_gate(conductor, rank);
     gw_report_frames(conductor->report, conductor->milliseconds, known_frames(conductor),
                      conductor->frame_count);

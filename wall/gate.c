@@ -169,6 +169,9 @@ static void break_wire(gw_gate *gate, member *m, const char *why) {
     m->wire->close(m->wire);
     m->wire = NULL;
     m->outstanding = m->pixels_due = 0;
+    /* Whoever comes back in its place has the site of the start. */
+    m->site = 0;
+    m->site_under_way = 0;
     if (m->tile.state != GW_TILE_LOST) {
         name_fault(m, "%s", why);
         lose(gate, m);

@@ -43,6 +43,14 @@ void gw_present_close(gw_present **present) {
     *present = NULL;
 }
 
+gw_code gw_present_take_panel(gw_present *present, const gw_panel *panel, gw_error *error) {
+    if (!gw_present_is_seen(present))
+        return GW_OK;
+    gw_panel_correction_finish(&present->correction);
+    return gw_panel_correction_create(present->device, panel, present->picture.size, &present->correction,
+                                      error);
+}
+
 gw_code gw_present_stage(gw_present *present, const uint8_t *rgba, gw_error *error) {
     if (!gw_present_is_seen(present))
         return GW_OK;

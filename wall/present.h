@@ -18,6 +18,9 @@ gw_code gw_present_open(gw_gl *device, const gw_panel *panel, uint32_t width, ui
                         gw_present **out, gw_error *error);
 void gw_present_close(gw_present **present); /* before its device goes; accepts NULL */
 
+/* The panel as another site has it: from the next frame on, its gamma, white point and brightness. */
+gw_code gw_present_take_panel(gw_present *present, const gw_panel *panel, gw_error *error);
+
 /* rgba: [height][width][4], sRGB. Does not wait. NULL stands for the twin in all of these. */
 gw_code gw_present_stage(gw_present *present, const uint8_t *rgba, gw_error *error);
 /* Shows what was staged last. Returns when it was handed over (gw_now_ns clock), as near to the swap as a

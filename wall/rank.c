@@ -113,7 +113,10 @@ gw_code gw_rank_take_site(gw_rank *rank, const gw_site *site, uint32_t epoch, gw
     free(rank->eye_pixels);
     rank->eye_pixels = NULL;
     const size_t scratch = gw_stereo_scratch(own_stereo(rank), own_tile(rank));
-    return scratch ? gw_allocate((void **)&rank->eye_pixels, scratch, 1, "pixels of an eye", error) : GW_OK;
+    gw_code code = gw_present_take_panel(rank->present, &site->panels[rank->number], error);
+    if (!code && scratch)
+        code = gw_allocate((void **)&rank->eye_pixels, scratch, 1, "pixels of an eye", error);
+    return code;
 }
 
 /* Instead of a frozen frame: why this tile ends. Nothing more can be done about a failure here. */

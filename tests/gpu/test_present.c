@@ -87,6 +87,8 @@ static void a_headless_tile_shows_nothing(void **state) {
     check_ok(gw_present_open(device, &panel, 1, 1, &present, &error));
     assert_false(gw_present_is_seen(present));
     check_ok(gw_present_stage(present, pixel, &error));
+    check_ok(gw_present_take_panel(present, &panel, &error));
+    check_ok(gw_present_take_panel(NULL, &panel, &error));
     assert_true(gw_present_show(present) > 0);
     gw_present_close(&present);
     assert_null(present);

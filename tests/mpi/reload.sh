@@ -53,6 +53,7 @@ sleep 0.3
 kill -INT $running
 wait $running
 is "it ran to its interruption" $? 130
+is "the report counts them" "$(json report.json '["site_reloads"]')" $reloads
 is "lines about what was wrong" "$(grep -c 'the wall goes on as it was' sim.log)" 2
 python3 - pictures $reloads >mixed.log 2>&1 <<'P'
 import glob, json, struct, sys, zlib

@@ -111,7 +111,7 @@ ALL_OBJECTS := $(OBJECTS) $(TREE)/wall/main.o $(TEST_SUPPORT) $(TEST_SOURCES:%.c
 
 # --- targets ---------------------------------------------------------------------------------------------------------
 
-.PHONY: all setup demo tests test hard tools lint format docs demo-track moving-scene install clean help
+.PHONY: all setup demo tests test hard soak tools lint format docs demo-track moving-scene install clean help
 
 all: $(PROGRAMS) $(ARCHIVE) $(if $(PROGRAMS),$(OUT)/gazewall)
 
@@ -120,6 +120,7 @@ help:
 	@echo "make demo        install what is missing, build, run the simulated wall into $(OUT)/demo"
 	@echo "make test        install what is missing, build, run every test; ONLY=name picks some"
 	@echo "make hard        only the tests of tests/hard"
+	@echo "make soak        200,000 frames through the gate at 35 tiles: nothing may grow (SOAK_FRAMES=n)"
 	@echo "make tests       build the tests without running them"
 	@echo "make tools       build the tools of tests/tools: scene converter, demo track"
 	@echo "make lint        layout, static analysis, house rules, shaders; changes nothing"
@@ -148,6 +149,10 @@ test: all tests
 
 hard: all $(filter $(TREE)/tests/hard/%,$(TEST_PROGRAMS))
 	$(quiet)tests/run.sh '$(TREE)' hard/
+
+SOAK_FRAMES ?= 200000
+soak: all
+	$(quiet)GAZEWALL='$(PROGRAM)' GW_SOAK_FRAMES='$(SOAK_FRAMES)' tests/mpi/gate_soak.sh
 
 lint: $(TREE)/assemble
 	$(quiet)CC='$(CC)' FLAGS='$(BASE_FLAGS) $(LIBRARY_CFLAGS)' tests/lint.sh $(TREE)/assemble

@@ -132,6 +132,9 @@ gw_code gw_gl_dispatch_indirect(gw_gl *device, GLuint program, const gw_gl_buffe
                                 gw_error *error);
 /* Waits until all that was issued is done, by a fence. */
 gw_code gw_gl_finish(gw_gl *device, gw_error *error);
+/* GW_MACHINE when the GPU was reset and this context with it: all that was on it is gone. A driver that does
+ * not tell is believed. */
+gw_code gw_gl_check_reset(gw_error *error);
 /* GW_MACHINE naming `where` if GL has recorded an error. */
 gw_code gw_gl_check(const char *where, gw_error *error);
 

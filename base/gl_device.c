@@ -158,6 +158,19 @@ gw_code gw_gl_finish(gw_gl *device, gw_error *error) {
     return gw_gl_check("waiting for the GPU", error);
 }
 
+gw_code gw_gl_check_reset(gw_error *error) {
+    switch (glGetGraphicsResetStatus()) {
+    case GL_NO_ERROR:
+        return GW_OK;
+    case GL_GUILTY_CONTEXT_RESET:
+        return gw_fail(error, GW_MACHINE, "the GL context was lost: the GPU was reset while it drew this");
+    case GL_INNOCENT_CONTEXT_RESET:
+        return gw_fail(error, GW_MACHINE, "the GL context was lost: another program made the GPU reset");
+    default:
+        return gw_fail(error, GW_MACHINE, "the GL context was lost: the GPU was reset");
+    }
+}
+
 static const char *gl_error_text(GLenum number) {
     switch (number) {
     case GL_INVALID_ENUM:

@@ -71,16 +71,23 @@ static int try_display(gw_gl *device, EGLDisplay display, const char *what, int 
         note_attempt(tried, "; %s: no desktop OpenGL", what);
         return 0;
     }
-    const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
-                                 4,
-                                 EGL_CONTEXT_MINOR_VERSION,
-                                 5,
-                                 EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                 EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                 EGL_CONTEXT_FLAGS_KHR,
-                                 debug ? EGL_CONTEXT_OPENGL_DEBUG_BIT_KHR : 0,
-                                 EGL_NONE};
+    /* The last pair asks that a reset of the GPU be told; a driver that cannot is asked again without. */
+    EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
+                           4,
+                           EGL_CONTEXT_MINOR_VERSION,
+                           5,
+                           EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                           EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                           EGL_CONTEXT_FLAGS_KHR,
+                           debug ? EGL_CONTEXT_OPENGL_DEBUG_BIT_KHR : 0,
+                           EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY_KHR,
+                           EGL_LOSE_CONTEXT_ON_RESET_KHR,
+                           EGL_NONE};
     EGLContext context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
+    if (context == EGL_NO_CONTEXT) {
+        attributes[sizeof attributes / sizeof attributes[0] - 3] = EGL_NONE;
+        context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
+    }
     if (context == EGL_NO_CONTEXT) {
         note_attempt(tried, "; %s: %s", what, egl_error_text());
         return 0;

@@ -140,6 +140,18 @@ void gw_gate_client_pulse(gw_gate_client *client, double silence) {
     client->beat_at = now;
 }
 
+/* GW_ENDED_EARLY when rank 0 is lost. */
+static gw_code check_root(const gw_gate_client *client, gw_error *error) {
+    const char *seen = client->lost ? client->lost(client->lost_context) : NULL;
+    const int64_t silent = gw_now_ns() - client->heard;
+    if (seen)
+        return gw_fail(error, GW_ENDED_EARLY, "rank 0 was lost: %s", seen);
+    return silent > client->allowed
+               ? gw_fail(error, GW_ENDED_EARLY, "rank 0 was lost: nothing came from it for %.1f s",
+                         (double)silent * 1e-9)
+               : GW_OK;
+}
+
 gw_code gw_gate_client_wait(gw_gate_client *client, gw_release *out, gw_error *error) {
     client->nap = 0;
     for (;;) {
@@ -152,9 +164,9 @@ gw_code gw_gate_client_wait(gw_gate_client *client, gw_release *out, gw_error *e
             client->number = out->number;
             return GW_OK;
         }
-        if (gw_now_ns() - client->heard > client->allowed)
-            return gw_fail(error, GW_ENDED_EARLY, "rank 0 was lost: nothing came from it for %.1f s",
-                           (double)(gw_now_ns() - client->heard) * 1e-9);
+        code = check_root(client, error);
+        if (code)
+            return code;
         gw_gate_client_pulse(client, 0);
         if (client->idle)
             client->idle(client->idle_context);
@@ -178,11 +190,8 @@ static gw_code send_patiently(gw_gate_client *client, gw_answer *message, const 
             return GW_OK;
         if (result == GW_WIRE_BROKEN)
             return gw_fail(error, GW_ENDED_EARLY, "rank 0 was lost: the line to it broke");
-        if (listen(client, error))
+        if (listen(client, error) || check_root(client, error))
             return error->code;
-        if (gw_now_ns() - client->heard > client->allowed)
-            return gw_fail(error, GW_ENDED_EARLY, "rank 0 was lost: it did not take an answer for %.1f s",
-                           (double)(gw_now_ns() - client->heard) * 1e-9);
         rest(client, 1);
     }
 }

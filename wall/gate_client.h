@@ -32,6 +32,9 @@ typedef struct gw_gate_client {
     uint32_t presented;          /* what goes with the next answer */
     int64_t presented_at;        /* ns of this clock */
     int64_t nap;                 /* us */
+    /* How rank 0 was lost, if another witness saw it; NULL: it was not. */
+    const char *(*lost)(void *context);
+    void *lost_context;
     void (*idle)(void *context); /* NULL, or called while this tile waits, at least every 10 ms */
     void *idle_context;
 } gw_gate_client;

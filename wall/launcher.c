@@ -331,9 +331,25 @@ static void end_orphans(void) {
     }
 }
 
+/* Rank 0 is lost on the way: the tiles are told, so that none leaves a frozen frame behind. */
+static void tell_tiles(gw_launcher *l) {
+    int64_t deadline = gw_now_ns() + GRACE_MS * INT64_C(1000000);
+    for (uint32_t i = 1; i < l->tile_count; i++)
+        if (l->ranks[i].line.socket >= 0)
+            gw_line_send(&l->ranks[i].line, GW_LINK_ROOT_LOST, 0, 0, l->result->text, 0);
+    for (uint32_t left = 1; left && gw_now_ns() < deadline;) {
+        step(l, 20);
+        left = 0;
+        for (uint32_t i = 1; i < l->tile_count; i++)
+            left += l->ranks[i].line.socket >= 0;
+    }
+}
+
 static void end_all(gw_launcher *l) {
     if (l->mpirun <= 0)
         return;
+    if (l->result->code == GW_ENDED_EARLY && gw_launcher_all_ready(l) && !l->mpirun_ended)
+        tell_tiles(l);
     /* After a good end the ranks leave by themselves, and a lost one has its grace time. */
     if (l->result->code == GW_OK || l->result->code == GW_TILES_LOST)
         wait_until_gone(l, GRACE_MS);

@@ -74,6 +74,11 @@ static void take(gw_link *link, const gw_link_message *m) {
     case GW_LINK_STOP:
         atomic_store(&link->stop, m->value);
         break;
+    case GW_LINK_ROOT_LOST:
+        if (!atomic_load(&link->root_lost))
+            snprintf(link->root_text, sizeof link->root_text, "%.255s", m->text);
+        atomic_store(&link->root_lost, 1);
+        break;
     default:
         break;
     }
@@ -117,6 +122,10 @@ int gw_link_poll_lost(gw_link *link, uint32_t *tile) {
     *tile = (uint32_t)__builtin_ctzll(lost);
     atomic_fetch_and(&link->lost, ~(1ull << *tile));
     return 1;
+}
+
+const char *gw_link_root_lost(gw_link *link) {
+    return atomic_load(&link->root_lost) ? link->root_text : NULL;
 }
 
 int gw_link_stop(gw_link *link) {

@@ -35,6 +35,7 @@ typedef enum gw_link_kind {
     GW_LINK_PING,
     GW_LINK_LOST, /* to rank 0: value is a tile whose process is gone */
     GW_LINK_STOP, /* to rank 0: end after this frame and write what there is; value is the signal's number */
+    GW_LINK_ROOT_LOST, /* to the others: rank 0 is lost, text says how; leave */
     GW_LINK_KINDS
 } gw_link_kind;
 
@@ -109,6 +110,8 @@ typedef struct gw_link {
     int64_t last_progress; /* ns */
     atomic_ullong lost;    /* a bit for each tile that the launcher saw die and nobody asked about yet */
     atomic_int stop;       /* signal's number, or 0 */
+    atomic_int root_lost;  /* 1: how is in the text, which does not change any more */
+    char root_text[256];
 } gw_link;
 
 /* Says hello and waits until the launcher welcomes this rank. From then on a thread of its own listens: when
@@ -121,6 +124,8 @@ void gw_link_promise(gw_link *link, double seconds);
 
 /* Rank 0, any time: 1 and a tile whose process the launcher saw die, each once; 0: none (any more). */
 int gw_link_poll_lost(gw_link *link, uint32_t *tile);
+/* Another rank, any time: how rank 0 was lost, as the launcher saw it; NULL: it was not. */
+const char *gw_link_root_lost(gw_link *link);
 /* Rank 0, any time: the number of the signal by which the run shall end after this frame, or 0. */
 int gw_link_stop(gw_link *link);
 

@@ -44,6 +44,8 @@ static gw_code draw_scene(gw_rank *rank, const gw_release *release, gw_done *don
     if (!code)
         code = gw_stereo_draw(rank->renderer, &placement, own_stereo(rank), tile, &release->state,
                               rank->eye_pixels, rank->pixels, &done->counters, error);
+    if (!code)
+        code = gw_gl_check_reset(error);
     done->render_ns = gw_now_ns() - begin;
     const double blend_ms = (double)gw_renderer_take_blend_ns(rank->renderer) * 1e-6;
     rank->lane_ms[GW_LANE_BLEND] = (float)blend_ms;
@@ -363,6 +365,10 @@ static gw_code start_mpi(gw_rank *rank, gw_error *error) {
     return GW_OK;
 }
 
+static const char *see_root_lost(void *line) {
+    return gw_link_root_lost(line);
+}
+
 static gw_code run(gw_rank *rank, int argc, char **argv, gw_error *error) {
     gw_conductor conductor = {0};
     gw_code code = gw_share_init(&rank->share, rank->options.machines, error);
@@ -373,6 +379,8 @@ static gw_code run(gw_rank *rank, int argc, char **argv, gw_error *error) {
     else if (!code)
         code = gw_gate_client_open(&rank->gate, &rank->share, rank->number, rank->load_deadline, error);
     rank->conducted = conductor.gate;
+    rank->gate.lost = see_root_lost;
+    rank->gate.lost_context = &rank->line;
     if (!code)
         code = get_ready(rank, &conductor, error);
     if (!code)

@@ -71,6 +71,7 @@ wait $launcher
 is "rank 0: exit code" $? 4
 has "rank 0: it is told by name" "$(cat first.log)" "rank 0 (tile c0r0"
 sleep 0.5
+exists "rank 0: the other tile shows a notice, not a frozen frame" first/tile-c1r0-notice.png
 is "rank 0: no process is left" "$(pgrep -f -- "--out first" | wc -l)" 0
 
 # --- rank 0 hangs: nobody but the launcher can notice
@@ -81,6 +82,7 @@ kill -STOP "$(pid_of hang.log 0)"
 wait $launcher
 is "rank 0 hangs: exit code" $? 4
 has "rank 0 hangs: it is told by name" "$(cat hang.log)" "rank 0 (tile c0r0) hangs"
+exists "rank 0 hangs: the other tile shows a notice" hang/tile-c1r0-notice.png
 is "rank 0 hangs: no process is left" "$(pgrep -f -- "--out hang" | wc -l)" 0
 
 # --- mpirun is killed: the launcher removes what it leaves

@@ -136,7 +136,7 @@ is "killed: the report is whole" "$(json killed.json '["ended"]')" interrupted
 nothing_is_left "killed"
 
 # --- a cut link
-start cut --frame-deadline 2
+start cut --death-deadline 2
 ip link set wall3 down
 wait_for_line cut.log "tile c2r0 (rank 2) is lost"
 rows cut 4

@@ -21,13 +21,14 @@ static const struct {
                           {"triangles", "geometry=triangles: textures by footprint, no voxels"},
                           {"voxels", "geometry=voxels: the finest voxels only"},
                           {"hybrid", "triangles or voxels by footprint everywhere, no gaze"},
+                          {"one-kernel", "hybrid, every ray by the kernel that knows voxels"},
                           {"gazed", "exact inside the gaze ellipsoid, voxels outside, a ray for every pixel"},
                           {"foveated", "the same with fewer rays where nobody resolves more"}};
 
 /* What drawing needs and telling does not. */
 typedef struct drawing {
     gw_bench_modes *modes;
-    gw_renderer *renderer, *counting;
+    gw_renderer *renderer, *counting, *one_kernel;
     gw_bench_view view;
     gw_image reference, seen_reference, picture;
 } drawing;
@@ -46,6 +47,7 @@ static gw_frame_state state_of(const drawing *d, gw_mode which) {
         state.geometry = GW_GEOMETRY_VOXELS;
         break;
     case GW_MODE_HYBRID:
+    case GW_MODE_ONE_KERNEL:
         state.tau_inside = state.tau;
         break;
     case GW_MODE_FULL_RATE:
@@ -122,7 +124,8 @@ static gw_code time_view(drawing *d, uint32_t station, gw_error *error) {
         for (int i = 0; i < GW_MODE_COUNT && !code; i++) {
             const gw_frame_state state = state_of(d, (gw_mode)i);
             int64_t begin = m->by_processor ? gw_processor_ns() : gw_now_ns();
-            code = draw(d, d->renderer, &state, &d->picture, NULL, error);
+            code = draw(d, i == GW_MODE_ONE_KERNEL ? d->one_kernel : d->renderer, &state, &d->picture, NULL,
+                        error);
             int64_t end = m->by_processor ? gw_processor_ns() : gw_now_ns();
             double ms = (double)(end - begin) * 1e-6, *least = &m->outcomes[i].ms[station];
             if (round > 0)
@@ -205,6 +208,8 @@ static gw_code open_modes(drawing *d, gw_error *error) {
     gw_bench_modes *m = d->modes;
     gw_bench *bench = m->bench;
     const gw_renderer_options plain = gw_bench_rendering(bench, 0), counting = gw_bench_rendering(bench, 1);
+    gw_renderer_options one_kernel = plain;
+    one_kernel.one_kernel = 1;
     gw_code code = gw_bench_path_open(bench, bench->quick ? 128 : 1024, &m->path, error);
     m->stations = !m->path.path ? 1 : bench->frames ? bench->frames : bench->quick ? 2 : 4;
     m->rounds = bench->repeats ? bench->repeats : bench->quick ? 1 : 3;
@@ -225,6 +230,9 @@ static gw_code open_modes(drawing *d, gw_error *error) {
     if (!code)
         code = gw_renderer_create(bench->model.device, bench->model.scene, bench->model.octree, &counting,
                                   &d->counting, error);
+    if (!code)
+        code = gw_renderer_create(bench->model.device, bench->model.scene, bench->model.octree, &one_kernel,
+                                  &d->one_kernel, error);
     return code;
 }
 
@@ -235,6 +243,7 @@ static void close_modes(drawing *d) {
     }
     gw_renderer_destroy(&d->renderer);
     gw_renderer_destroy(&d->counting);
+    gw_renderer_destroy(&d->one_kernel);
     gw_image_finish(&d->reference);
     gw_image_finish(&d->seen_reference);
     gw_image_finish(&d->picture);

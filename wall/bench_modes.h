@@ -14,6 +14,7 @@ typedef enum gw_mode {
     GW_MODE_TRIANGLES,
     GW_MODE_VOXELS,
     GW_MODE_HYBRID,
+    GW_MODE_ONE_KERNEL,
     GW_MODE_FULL_RATE,
     GW_MODE_FOVEATED,
     GW_MODE_COUNT

@@ -99,7 +99,7 @@ expect "states that cannot be written" 5 "$folder/nowhere/s" sim --scene missing
 expect "results of a bench below a file" 5 "$folder/file" bench build --scene missing.obj --out "$folder/file/results"
 is "a quiet bench is quiet" "$("$program" bench build --quick "${scene[@]}" 2>&1)" ""
 "$program" bench modes --quick --size 96x54 --repeats 1 "${scene[@]}" --out "$folder/modes"
-is "six modes" "$(wc -l <"$folder/modes/modes.csv")" 7
+is "seven modes" "$(wc -l <"$folder/modes/modes.csv")" 8
 is "triangles and exact do the same work" \
     "$(json "$folder/modes/modes.json" '["bench"]["modes"][0]["counters"] == d["bench"]["modes"][1]["counters"]')" True
 is "voxels test no triangles" "$(json "$folder/modes/modes.json" '["bench"]["modes"][2]["counters"]["triangle_tests"]')" 0
@@ -138,10 +138,10 @@ is "what is exact does not differ from itself" \
     "$(json "$folder/equal.json" '["triple"]["flip"], d["triple"]["seen_flip"]') $([ -e "$folder/equal/seen.png" ] || echo none)" "(0.0, None) none"
 "$program" bench layouts --quick --size 32x32 --repeats 1 "${scene[@]}" --out "$folder/layouts"
 is "layouts that were compared" $? 0
-is "they are in the report" "$(json "$folder/layouts/layouts.json" '["bench"]["layouts"][6]["name"]')" "seed64"
+is "they are in the report" "$(json "$folder/layouts/layouts.json" '["bench"]["layouts"][8]["name"]')" "seed64"
 is "with the reason where one was skipped" \
-    "$(json "$folder/layouts/layouts.json" '["bench"]["layouts"][10]["skipped"].count("deeper than 5 levels")')" 1
-is "and twelve of them in the table" "$(grep -c '^[a-z0-9-]*,[0-9]' "$folder/layouts/layouts.csv")" 12
+    "$(json "$folder/layouts/layouts.json" '["bench"]["layouts"][12]["skipped"].count("deeper than 5 levels")')" 1
+is "and fourteen of them in the table" "$(grep -c '^[a-z0-9-]*,[0-9]' "$folder/layouts/layouts.csv")" 14
 mkfifo "$folder/fifo"
 timeout 60 cat "$folder/fifo" >"$folder/through" &
 expect "a picture through a FIFO" 0 "" render "${scene[@]}" --size 8x8 --out "$folder/fifo"

@@ -152,7 +152,28 @@ static gw_code draw_help(gw_wall_view *view, const char *text, gw_error *error) 
     return GW_OK;
 }
 
+/* The texture of the wall as the layout has it now: a changed site may move its tiles. */
+static gw_code size_wall(gw_wall_view *view, gw_error *error) {
+    const uint32_t *size = view->layout->framed;
+    const uint32_t side = (uint32_t)gw_gl_limits_of(view->device)->texture_side;
+    if (view->wall.size[0] == size[0] && view->wall.size[1] == size[1])
+        return GW_OK;
+    if (size[0] > side || size[1] > side)
+        return gw_fail(error, GW_MACHINE,
+                       "the wall is %ux%u px large with its bezels, more than the %u px of a texture of this "
+                       "driver; show its tiles instead (--tile-windows)",
+                       size[0], size[1], side);
+    gw_present_image_finish(&view->wall);
+    gw_code code = gw_present_image_create(size, &view->wall, error);
+    if (!code)
+        glClearTexImage(view->wall.texture, 0, GL_RGBA, GL_UNSIGNED_BYTE, bezel_color);
+    return code;
+}
+
 gw_code gw_wall_view_show(gw_wall_view *view, const gw_wall_view_content *content, gw_error *error) {
+    gw_code code = size_wall(view, error);
+    if (code)
+        return code;
     arrange(view);
     upload_tiles(view, content);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
@@ -161,7 +182,7 @@ gw_code gw_wall_view_show(gw_wall_view *view, const gw_wall_view_content *conten
     gw_present_image_copy(&view->wall, &view->placed, view->size);
     if (content->ring)
         draw_rings(view, content->state);
-    gw_code code = draw_status(view, content->status, error);
+    code = draw_status(view, content->status, error);
     if (!code && content->birdseye)
         code = draw_birdseye(view, content->state, error);
     if (!code && content->help)
@@ -177,24 +198,17 @@ gw_code gw_wall_view_show(gw_wall_view *view, const gw_wall_view_content *conten
 
 gw_code gw_wall_view_open(gw_gl *device, const gw_layout *layout, gw_wall_view **out, gw_error *error) {
     gw_wall_view *view = NULL;
-    const uint32_t side = (uint32_t)gw_gl_limits_of(device)->texture_side;
-    if (layout->framed[0] > side || layout->framed[1] > side)
-        return gw_fail(error, GW_MACHINE,
-                       "the wall is %ux%u px large with its bezels, more than the %u px of a texture of this "
-                       "driver; show its tiles instead (--tile-windows)",
-                       layout->framed[0], layout->framed[1], side);
     gw_code code = gw_allocate((void **)&view, 1, sizeof *view, "view of the wall", error);
     if (code)
         return code;
     view->device = device;
     view->window = gw_gl_window(device);
     view->layout = layout;
-    code = gw_present_image_create(layout->framed, &view->wall, error);
+    code = size_wall(view, error);
     if (code) {
         gw_wall_view_close(&view);
         return code;
     }
-    glClearTexImage(view->wall.texture, 0, GL_RGBA, GL_UNSIGNED_BYTE, bezel_color);
     arrange(view);
     *out = view;
     return GW_OK;

@@ -28,10 +28,10 @@ typedef struct gw_gate_client {
     int site_due;
     int has_release; /* one came while this tile drew */
     gw_release release;
-    uint32_t number;             /* of the frame in work */
-    uint32_t presented;          /* what goes with the next answer */
-    int64_t presented_at;        /* ns of this clock */
-    int64_t nap;                 /* us */
+    uint32_t number;      /* of the frame in work */
+    uint32_t presented;   /* what goes with the next answer */
+    int64_t presented_at; /* ns of this clock */
+    int64_t nap;          /* us */
     /* How rank 0 was lost, if another witness saw it; NULL: it was not. */
     const char *(*lost)(void *context);
     void *lost_context;

@@ -225,20 +225,19 @@ static void step(gw_launcher *l, int timeout) {
         wait[count++] = (struct pollfd){.fd = l->ranks[i].line.socket, .events = POLLIN};
     if (poll(wait, count, timeout) < 0)
         return;
+    /* First, because what the ranks say may be a consequence. */
+    read_signals(l);
     gw_launcher_listen(l);
     gw_launcher_ping(l);
     if (l->output >= 0)
         read_output(l);
-    read_signals(l);
 }
 
 /* mpirun ended and nobody told why: it was killed, could not start the ranks, or MPI ended them. */
 static void blame_mpirun(gw_launcher *l) {
     enum { SHOWN = 1500 };
-    if (WIFSIGNALED(l->mpirun_status)) {
-        gw_launcher_conclude(l, GW_ENDED_EARLY, "mpirun was killed by signal %d", WTERMSIG(l->mpirun_status));
+    if (gw_launcher_mpirun_killed(l))
         return;
-    }
     while (l->noise_size > 0 && (l->noise[l->noise_size - 1] == '\n' || l->noise[l->noise_size - 1] == ' '))
         l->noise_size--;
     int shown = l->noise_size > SHOWN ? SHOWN : (int)l->noise_size;

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <sys/wait.h>
 
 #define SECONDS INT64_C(1000000000)
 
@@ -56,6 +57,13 @@ void gw_launcher_silent(const gw_launcher *l, char text[512]) {
         snprintf(text + length, 512 - length, "%s%s", told ? ", " : "", name_rank(l, &l->ranks[i], name));
         told++;
     }
+}
+
+int gw_launcher_mpirun_killed(gw_launcher *l) {
+    if (!l->mpirun_ended || !WIFSIGNALED(l->mpirun_status))
+        return 0;
+    gw_launcher_conclude(l, GW_ENDED_EARLY, "mpirun was killed by signal %d", WTERMSIG(l->mpirun_status));
+    return 1;
 }
 
 /* --- messages
@@ -131,7 +139,9 @@ static void lost_rank(gw_launcher *l, gw_rank_line *r, int how) {
     else
         snprintf(text, sizeof text, "%s died %s", name_rank(l, r, name), when);
     if (number_of(l, r) == 0 || !gw_launcher_all_ready(l)) {
-        gw_launcher_conclude(l, GW_ENDED_EARLY, "%s", text);
+        /* The ranks die with mpirun, and are not to blame. */
+        if (!gw_launcher_mpirun_killed(l))
+            gw_launcher_conclude(l, GW_ENDED_EARLY, "%s", text);
         return;
     }
     gw_log_write(&l->console->log, GW_LOG_WARNING, "%s", text);

@@ -20,6 +20,10 @@ static void remove_tree(const char *path) {
     nftw(path, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
 }
 
+static void remove_folder(const char *path) {
+    (void)rmdir(path);
+}
+
 static void remove_segment(const char *path) {
     (void)unlink(path);
 }
@@ -43,6 +47,9 @@ void gw_mpirun_sweep(pid_t mpirun, uint32_t job) {
     snprintf(pattern, sizeof pattern, "%s/ompi.*.%u/pid.%ld", folder && *folder ? folder : "/tmp", user,
              (long)mpirun);
     for_each(pattern, remove_tree);
+    /* The folder of all runs of this user, if this was the last: rmdir() leaves one that is not empty. */
+    snprintf(pattern, sizeof pattern, "%s/ompi.*.%u", folder && *folder ? folder : "/tmp", user);
+    for_each(pattern, remove_folder);
     if (!job)
         return;
     snprintf(pattern, sizeof pattern, "/dev/shm/vader_segment.*.%u.%" PRIx32 ".*", user, job);

@@ -43,8 +43,10 @@ start() { # NAME ARGUMENT...: without an end, until frame 3 is there
     launcher=$!
     for turn in $(seq 900); do
         [ -s "$name/wall-0003.png" ] && return
+        kill -0 $launcher 2>/dev/null || break
         sleep 0.1
     done
+    sed 's/^/# /' "$name.log" | tail
     echo "# $name did not come to frame 3 in $((turn / 10)) s"
 }
 
@@ -59,6 +61,7 @@ wait_for_line() { # FILE TEXT: until the text is in the file
 
 rows() { # NAME COUNT: until so many frames more are drawn
     local turn wanted
+    [ -e "$1/frames.csv" ] || return
     wanted=$(($(wc -l <"$1/frames.csv") + $2))
     for turn in $(seq 600); do
         [ "$(wc -l <"$1/frames.csv")" -ge $wanted ] && return

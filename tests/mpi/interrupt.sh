@@ -46,7 +46,7 @@ run() {
         is "SIG$1 after $2: a row for each frame" "$(wc -l <"$name/frames.csv")" $((frames + 1))
         is "SIG$1 after $2: a picture for each frame" "$(find "$name" -name 'wall-[0-9]*.png' | wc -l)" "$frames"
     fi
-    is "SIG$1 after $2: only whole files" "$(find "$name" -type f ! -name '*.png' ! -name frames.csv 2>/dev/null)" ""
+    is "SIG$1 after $2: only whole files" "$(find "$name" -type f ! -name '*.png' ! -name '*.json' ! -name frames.csv 2>/dev/null)" ""
 }
 
 run INT 0.2 130

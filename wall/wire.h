@@ -1,5 +1,5 @@
-/* One end of the line between rank 0 and one tile: messages and blocks of pixels, never waiting. Over MPI
- * (wall/wire_mpi.c) or TCP (wall/wire_tcp.c); the gate does not know which. The thread that made it. */
+/* One end of the line between rank 0 and one tile: messages and blocks of pixels, never waiting. What carries
+ * them is MPI (wall/wire_mpi.c); the gate does not know. The thread that made it. */
 #ifndef GW_WALL_WIRE_H
 #define GW_WALL_WIRE_H
 

@@ -22,8 +22,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* mpirun takes 2 s to end what runs on other hosts. */
-enum { GRACE_MS = 2000, TERMINATION_MS = 5000, POLL_MS = 200, FINISH_S = 15 };
+/* mpirun takes 2 s to end what runs on other hosts, and more on machines with much else to do; killed before
+ * it is done, it may leave a daemon there. */
+enum { GRACE_MS = 2000, TERMINATION_MS = 15000, POLL_MS = 200, FINISH_S = 15 };
 
 /* --- starting
  * ---------------------------------------------------------------------------------------------------- */

@@ -197,11 +197,7 @@ static void interrupt(gw_launcher *l, int number) {
     gw_launcher_conclude(l, (gw_code)(128 + number), "interrupted");
 }
 
-static void read_signals(gw_launcher *l) {
-    struct signalfd_siginfo info;
-    while (read(l->signals, &info, sizeof info) == (ssize_t)sizeof info)
-        if (info.ssi_signo != SIGCHLD)
-            interrupt(l, (int)info.ssi_signo);
+void gw_launcher_reap(gw_launcher *l) {
     /* Of others only those are ours that became it when their parent died. */
     int status;
     for (pid_t ended; (ended = waitpid(-1, &status, WNOHANG)) > 0;)
@@ -209,6 +205,14 @@ static void read_signals(gw_launcher *l) {
             l->mpirun_ended = 1;
             l->mpirun_status = status;
         }
+}
+
+static void read_signals(gw_launcher *l) {
+    struct signalfd_siginfo info;
+    while (read(l->signals, &info, sizeof info) == (ssize_t)sizeof info)
+        if (info.ssi_signo != SIGCHLD)
+            interrupt(l, (int)info.ssi_signo);
+    gw_launcher_reap(l);
 }
 
 static void step(gw_launcher *l, int timeout) {

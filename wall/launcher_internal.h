@@ -57,6 +57,8 @@ typedef struct gw_launcher {
 /* The first failure stays: what follows is its consequence. */
 void gw_launcher_conclude(gw_launcher *l, gw_code code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+/* Takes the ends of child processes, without waiting. */
+void gw_launcher_reap(gw_launcher *l);
 /* 1 when it was, which is then how the run ended. */
 int gw_launcher_mpirun_killed(gw_launcher *l);
 /* Takes what has come from ranks and strangers, without waiting. */

@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <inttypes.h>
+#include <poll.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -139,7 +140,11 @@ static void lost_rank(gw_launcher *l, gw_rank_line *r, int how) {
     else
         snprintf(text, sizeof text, "%s died %s", name_rank(l, r, name), when);
     if (number_of(l, r) == 0 || !gw_launcher_all_ready(l)) {
-        /* The ranks die with mpirun, and are not to blame. */
+        /* The ranks die with mpirun, and are not to blame; its own end may be told a moment after theirs. */
+        for (int turn = 0; turn < 20 && !l->mpirun_ended; turn++) {
+            poll(NULL, 0, 10);
+            gw_launcher_reap(l);
+        }
         if (!gw_launcher_mpirun_killed(l))
             gw_launcher_conclude(l, GW_ENDED_EARLY, "%s", text);
         return;

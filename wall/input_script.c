@@ -198,6 +198,16 @@ gw_code gw_input_script_load(const char *path, gw_input_script *out, gw_error *e
     return code;
 }
 
+int gw_input_script_ends(const gw_input_script *script) {
+    for (size_t i = 0; i < script->count; i++) {
+        const gw_event *event = &script->events[i].event;
+        if (!script->events[i].resizes && (event->kind == GW_EVENT_CLOSE ||
+                                           (event->kind == GW_EVENT_KEY_DOWN && event->key == GW_KEY_ESCAPE)))
+            return 1;
+    }
+    return 0;
+}
+
 void gw_input_script_finish(gw_input_script *script) {
     free(script->events);
     memset(script, 0, sizeof *script);

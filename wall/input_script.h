@@ -34,6 +34,8 @@ gw_code gw_input_script_load(const char *path, gw_input_script *out, gw_error *e
 /* The same from memory; name stands for the file in messages. */
 gw_code gw_input_script_parse(const char *name, const char *text, size_t size, gw_input_script *out,
                               gw_error *error);
+/* 1 when an event closes the wall, by 'close' or the key escape. */
+int gw_input_script_ends(const gw_input_script *script);
 void gw_input_script_finish(gw_input_script *script); /* accepts an empty one */
 
 #endif

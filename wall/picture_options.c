@@ -9,25 +9,25 @@
 enum { KEY_PATTERN = 0x5000, KEY_CODES, KEY_OVERLAY, KEY_VIDEO, KEY_RATE, KEY_REMAKE };
 
 static const struct argp_option options_table[] = {
-    {NULL, 0, NULL, 0, "Pictures (docs/pictures.md):", 5},
+    {NULL, 0, NULL, 0, "Pictures (docs/pictures.md):", 6},
     {"pattern", KEY_PATTERN, "KIND", 0,
-     "a test pattern instead of a scene: grid (millimetres that run on across bezels), colours, names", 5},
+     "a test pattern instead of a scene: grid (millimetres that run on across bezels), colours, names", 6},
     {"frame-codes", KEY_CODES, NULL, 0,
      "a block of cells on every tile that codes the frame's number: 'gazewall codes' reads it back from a "
      "picture or a photograph",
-     5},
+     6},
     {"overlay", KEY_OVERLAY, NULL, 0,
      "over every tile: its name and machine, how long the parts of its last frames took, rays a second, age "
      "of the "
      "pose, what was missed, and the frame code",
-     5},
-    {"video", KEY_VIDEO, "FILE", 0, "the frames as a video: .mp4, .m4v, .mov or .mkv (H.264, by ffmpeg)", 5},
-    {"fps", KEY_RATE, "N", 0, "1 to 240 frames a second of the video; default: 1 / --step, else 30", 5},
+     6},
+    {"video", KEY_VIDEO, "FILE", 0, "the frames as a video: .mp4, .m4v, .mov or .mkv (H.264, by ffmpeg)", 6},
+    {"fps", KEY_RATE, "N", 0, "1 to 240 frames a second of the video; default: 1 / --step, else 30", 6},
     {"remake", KEY_REMAKE, "FILE.json", 0,
      "make the picture again that this file was written beside, bit for bit; takes wall, scene, settings and "
      "frame from "
      "it (--scene names the scene where it is now)",
-     5},
+     6},
     {0}};
 
 static gw_code parse_pattern(const char *argument, gw_picture_options *out) {

@@ -59,6 +59,13 @@ gw_code gw_pilot_open(const struct gw_rank *rank, gw_pilot **out, gw_error *erro
     pilot->ring = 1;
     if (options->input)
         code = gw_input_script_load(options->input, &pilot->script, error);
+    if (!code && options->input && options->windows == GW_WINDOWS_NONE && !options->cluster &&
+        !options->frames && !gw_input_script_ends(&pilot->script))
+        code =
+            gw_fail(error, GW_BAD_INPUT,
+                    "%s: has no line 'FRAME close', and there is no window to close: this would never end; "
+                    "add that line, or give --frames N or --window",
+                    options->input);
     if (code)
         gw_pilot_close(&pilot);
     *out = pilot;

@@ -560,6 +560,10 @@ gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *he
     if (out->pictures.pattern && (out->draw.scene || out->path))
         return gw_fail(error, GW_BAD_INPUT,
                        "--pattern is drawn instead of a scene; leave out --scene and --path");
+    if (out->pictures.pattern && (out->budget_ms > 0 || out->budget_rays > 0))
+        return gw_fail(error, GW_BAD_INPUT, "--pattern traces no rays; leave out --budget and --budget-rays");
+    if (out->pictures.rate > 0 && !out->pictures.video)
+        return gw_fail(error, GW_BAD_INPUT, "--fps is the pace of a video; give --video FILE, too");
     if (out->states && out->wall.eye_distance >= 0)
         return gw_fail(error, GW_BAD_INPUT, "--states holds where both eyes are; leave out --eye-distance");
     if (out->states && out->path)

@@ -86,9 +86,10 @@ static gw_code spawn(gw_video *video, double rate, int input, int output, gw_err
     snprintf(rate_text, sizeof rate_text, "%.9g", rate);
     snprintf(file, sizeof file, "/proc/self/fd/%d", CHILD_FILE);
     const char *const words[] = {
-        "/proc/self/exe", "launch", pid, "ffmpeg", "-hide_banner", "-loglevel", "error", "-nostdin", "-f",
-        "rawvideo", "-pixel_format", "rgba", "-video_size", size, "-framerate", rate_text, "-i", "pipe:0",
-        "-an",
+        "/proc/self/exe", "launch", pid, "ffmpeg", "-hide_banner", "-loglevel", "error", "-nostdin",
+        /* Without it a full disk at the end, where the index is written, is exit code 0. */
+        "-xerror", "-f", "rawvideo", "-pixel_format", "rgba", "-video_size", size, "-framerate", rate_text,
+        "-i", "pipe:0", "-an",
         /* H.264 in 4:2:0 wants even sides. */
         "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv,format=yuv420p",
         "-c:v", "libx264", "-crf", "16", "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc",

@@ -65,6 +65,8 @@ if command -v ffmpeg >/dev/null && command -v ffprobe >/dev/null; then
 else
     echo "ok $((number += 1)) - a video # SKIP ffmpeg is not installed"
 fi
+expect "a video's pace without a video" 2 "give --video" sim --pattern grid --fps 20
+expect "a budget for a pattern" 2 "leave out --budget" sim --pattern grid --budget-rays 1000
 expect "a name that is no video's" 2 "ends in .mp4" sim --pattern grid --video film.txt
 mkdir -p programs
 for needed in mpirun orted sh env; do
@@ -79,5 +81,10 @@ chmod +x programs/ffmpeg
 errors=$(PATH=$folder/programs:$PATH timeout 120 "$program" sim --pattern grid "${wall[@]}" --frames 4 --video broken.mp4 2>&1)
 is "ffmpeg gives up: exit code" $? 5
 has "ffmpeg gives up: its words" "$errors" "no space left in the test"
+# A disk that is full when the index is written: the real one mentions it and exits with 0 unless it is told otherwise.
+printf '#!/bin/sh\ncat >/dev/null\necho "Error writing trailer" >&2\ncase " $* " in *" -xerror "*) exit 1 ;; esac\n' >programs/ffmpeg
+errors=$(PATH=$folder/programs:$PATH timeout 120 "$program" sim --pattern grid "${wall[@]}" --frames 2 --video full.mp4 2>&1)
+is "no room for a video's index: exit code" $? 5
+has "no room for a video's index: its words" "$errors" "Error writing trailer"
 is "no half file, none of its own" "$(find . -maxdepth 1 -name '*.mp4' ! -name video.mp4 -o -maxdepth 1 -name '.*part' | wc -l)" 0
 finish

@@ -18,6 +18,8 @@ expect "tiles on a GPU of their display" 2 "leave out --gpu" sim --tile-windows 
 expect "states and a pilot" 2 "leave out --input" sim --states x.json --input tour.txt
 echo "0 prss W" >wrong.txt
 expect "a file of input that is wrong" 2 "wrong.txt:1: unknown event 'prss'; expected press" sim "${common[@]}" --input wrong.txt
+echo "0 press W" >endless.txt
+expect "a file of input without an end" 2 "this would never end" sim "${common[@]}" --tiles 1x1 --size 16x16 --input endless.txt
 DISPLAY=:32123 expect "a display that is not there" 3 "':32123'" sim "${common[@]}" --tile-windows
 
 # --- one frame by render (one process) and by 2 to 8 ranks, without windows

@@ -24,7 +24,7 @@
 
 /* mpirun takes 2 s to end what runs on other hosts, and more on machines with much else to do; killed before
  * it is done, it may leave a daemon there. */
-enum { GRACE_MS = 2000, TERMINATION_MS = 15000, POLL_MS = 200, FINISH_S = 15 };
+enum { GRACE_MS = 2000, TERMINATION_MS = 15000, POLL_MS = 200, FINISH_S = 15, ECHO_MS = 300 };
 
 /* --- starting
  * ---------------------------------------------------------------------------------------------------- */
@@ -185,8 +185,11 @@ static void read_output(gw_launcher *l) {
 }
 
 /* While frames are drawn, rank 0 is asked to end after this one and to write what there is; a second signal,
- * or one before the first frame, ends everything at once. */
+ * or one before the first frame, ends everything at once. One that comes with the first is the same:
+ * timeout(1) and terminals send theirs to the process and to its group. */
 static void interrupt(gw_launcher *l, int number) {
+    if (l->interrupted && gw_now_ns() < l->patience - (FINISH_S * INT64_C(1000) - ECHO_MS) * 1000000)
+        return;
     if (!l->interrupted && gw_launcher_all_ready(l) && !l->has_result) {
         l->interrupted = number;
         l->patience = gw_now_ns() + FINISH_S * INT64_C(1000000000);

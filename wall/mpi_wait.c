@@ -29,7 +29,9 @@ gw_code gw_mpi_wait(MPI_Request *request, int64_t deadline, const char *what, gw
         if (code || done)
             return code;
         if (deadline && gw_now_ns() > deadline)
-            return gw_fail(error, GW_ENDED_EARLY, "%s: nothing came in time", what);
+            return gw_fail(error, GW_ENDED_EARLY,
+                           "%s: nothing came in time; raise --load-deadline if the machines only need longer",
+                           what);
         gw_mpi_nap(&nap);
     }
 }

@@ -12,7 +12,7 @@
 gw_code gw_mpi_check(int result, const char *what, gw_error *error);
 
 /* Tests the request until it is complete, sleeping between (at most 1 ms). Past deadline (gw_now_ns clock; 0:
- * none) fails with GW_ENDED_EARLY "what: nothing came in time" and leaves the request pending. */
+ * none) fails with GW_ENDED_EARLY "what: nothing came in time ..." and leaves the request pending. */
 gw_code gw_mpi_wait(MPI_Request *request, int64_t deadline, const char *what, gw_error *error);
 
 /* Sleeps a little longer each time: start with *nap = 0 and set it back to 0 after progress. */

@@ -66,7 +66,8 @@ static void a_speck_is_never_lost(void **state) {
         "light of the speck, least and mean of %d places: %.3f and %.3f pixels; plain rule %.3f and "
         "%.3f\n",
         PLACES * PLACES, least, mean, plain_least, plain_mean);
-    /* Where its front and its back lie in cells of their own, the one hides the other: that place is the least. */
+    /* Where its front and its back lie in cells of their own, the one hides the other: that place is the
+     * least. */
     assert_true(least > 0.2 * mean && mean > 0);
     assert_true(plain_least == 0);
 }

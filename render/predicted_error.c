@@ -104,6 +104,10 @@ void gw_predicted_error_add(gw_predicted_error *to, const gw_predicted_error *fr
     to->places += from->places;
 }
 
+double gw_predicted_error_worst(const gw_predicted_error *error) {
+    return error->places ? error->worst : 1;
+}
+
 double gw_predicted_error_mean(const gw_predicted_error *error) {
     return error->places ? error->sum / (double)error->places : 1;
 }

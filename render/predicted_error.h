@@ -36,6 +36,7 @@ gw_code gw_predict_error(const gw_scene *scene, const gw_octree *octree, const g
                          const gw_plane *plane, const gw_rectangle *rectangle, const gw_frame_state *state,
                          gw_predicted_error *out, gw_error *error);
 void gw_predicted_error_add(gw_predicted_error *to, const gw_predicted_error *from);
-double gw_predicted_error_mean(const gw_predicted_error *error); /* 1 when there is no place */
+double gw_predicted_error_worst(const gw_predicted_error *error); /* 1 when there is no place */
+double gw_predicted_error_mean(const gw_predicted_error *error);  /* 1 when there is no place */
 
 #endif

@@ -106,7 +106,7 @@ void gw_conductor_write_row(gw_conductor *conductor, uint32_t frame, const gw_co
             (double)g->direction[0], (double)g->direction[1], (double)g->direction[2], (double)g->age,
             (double)g->confidence, (double)knobs.tau, (double)knobs.tau_inside, s->epoch, s->accumulate,
             (double)s->strain, (double)knobs.gaze_margin, (double)knobs.acuity_slope, 1 << knobs.sample_block,
-            conductor->seen.worst, gw_predicted_error_mean(&conductor->seen), sum->rays,
+            gw_predicted_error_worst(&conductor->seen), gw_predicted_error_mean(&conductor->seen), sum->rays,
             conductor->milliseconds[gw_kept(conductor, frame)], slowest, conductor->missed[GW_MISSED_LATE],
             conductor->missed[GW_MISSED_SKIPPED], conductor->missed[GW_MISSED_LOST]);
     fflush(conductor->rows);
@@ -140,7 +140,7 @@ static void sum_up_rays(const gw_conductor *conductor, struct gw_rank *rank, dou
               budget->rays > 0 ? budget->rays : budget->milliseconds, budget->rays > 0 ? "rays" : "ms",
               budget->over, budget->frames);
     print(rank, "error    outside the gaze %.1f times coarser than viewers resolve at worst, %.2f on average",
-          conductor->predicted.worst, gw_predicted_error_mean(&conductor->predicted));
+          gw_predicted_error_worst(&conductor->predicted), gw_predicted_error_mean(&conductor->predicted));
 }
 
 static void sum_up(const gw_conductor *conductor, struct gw_rank *rank) {

@@ -201,10 +201,9 @@ void gw_report_predicted_error(json_t *report, const gw_predicted_error *predict
                                  (double)knobs.acuity_slope, "sample_block", 1 << knobs.sample_block, "epoch",
                                  count(last->epoch), "accumulate", (int)last->accumulate);
     json_object_set_new(report, "predicted_error",
-                        json_pack("{s:f, s:f, s:o, s:o, s:o}", "worst",
-                                  predicted->places ? predicted->worst : 1.0, "mean",
-                                  gw_predicted_error_mean(predicted), "places", count(predicted->places),
-                                  "in_force", in_force, "budget", budget));
+                        json_pack("{s:f, s:f, s:o, s:o, s:o}", "worst", gw_predicted_error_worst(predicted),
+                                  "mean", gw_predicted_error_mean(predicted), "places",
+                                  count(predicted->places), "in_force", in_force, "budget", budget));
 }
 
 void gw_report_track(json_t *report, const gw_track *track) {

@@ -55,6 +55,10 @@ sim blind --tiles 2x1 --no-gaze --frames 4 --budget-rays 24000
 "$program" render "${common[@]}" --no-gaze --out blind.png --report blind.json
 is "no gaze, full quality" "$(json blind/report.json '["image"]["hash"]')" "$(json blind.json '["image"]["hash"]')"
 
+is "where nothing was looked at, neither the worst nor the mean error is below one" \
+    "$(python3 -c "import csv
+print({(row['error_worst'], row['error_mean']) for row in csv.DictReader(open('blind/frames.csv'))})")" "{('1', '1')}"
+
 sim time --tiles 1x1 --frames 6 --budget 0.1
 is "a budget of time that cannot be held strains all it can" "$(json time/report.json '["predicted_error"]["in_force"]["strain"]')" 16.0
 

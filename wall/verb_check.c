@@ -12,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 typedef struct check_options {
     gw_error *error;
@@ -33,11 +34,19 @@ static const struct argp_option option_table[] = {
     {0},
 };
 
+static gw_code parse_draw(const char *value, check_options *options) {
+    const char *suffix = strrchr(value, '.');
+    if (suffix && !strchr(suffix, '/') && strcasecmp(suffix, ".svg") != 0)
+        return gw_fail(options->error, GW_BAD_INPUT, "--draw '%s': the drawing is SVG; name it FILE.svg",
+                       value);
+    return gw_parse_name("--draw", value, &options->draw, options->error);
+}
+
 static error_t parse_option(int key, char *value, struct argp_state *state) {
     check_options *options = state->input;
     switch (key) {
     case KEY_DRAW:
-        return gw_parse_name("--draw", value, &options->draw, options->error) ? EINVAL : 0;
+        return parse_draw(value, options) ? EINVAL : 0;
     case KEY_CORNERS:
         options->corners = 1;
         return 0;

@@ -42,6 +42,7 @@ for p in svg.getElementsByTagName("text"):
     assert float(p.getAttribute("y")) <= float(svg.getAttribute("height")), p.toxml()
 ' "$folder/curve.svg" >"$folder/python.txt" 2>&1
 verdict "the drawing is XML with tiles, eye, gaps and scale on its paper" $? <"$folder/python.txt"
+expect "a drawing that is no SVG" 2 "name it FILE.svg" check 2x2 --draw "$folder/wall.png"
 expect "a drawing that cannot be written" 5 "nowhere" check 2x2 --draw "$folder/nowhere/wall.svg"
 if command -v rsvg-convert >/dev/null; then
     rsvg-convert "$folder/curve.svg" -o "$folder/curve.png" 2>"$folder/python.txt"

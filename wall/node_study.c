@@ -1,6 +1,8 @@
 /* See node_study.h. */
 #include "wall/node_study.h"
 
+#include "render/root_grid.h"
+
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
@@ -19,11 +21,13 @@ typedef struct study_row {
     form_kind form;
     uint32_t grid_level;
     const char *kernel, *defines;
+    int root_grid; /* it starts at the grid behind the shipped nodes */
     int storage, loses;
 } study_row;
 
 static const study_row rows[GW_STUDY_ENTRIES] = {
     {.name = "shipped",
+     .root_grid = 1,
      .what =
          "8 bytes a node, siblings packed, a grid of up to 64^3 cells behind them; buffer textures, stack "
          "in registers, steps without branches"},
@@ -34,9 +38,12 @@ static const study_row rows[GW_STUDY_ENTRIES] = {
     {.name = "refetch",
      .what = "from the root, the stack holds the node's index, fetched again",
      .defines = "WIDE_NODES"},
-    {.name = "storage", .what = "storage blocks", .defines = "STORAGE_FETCH", .storage = 1},
-    {.name = "local-stack", .what = "stack in an array of the ray", .defines = "STACK_LOCAL"},
-    {.name = "shared-stack", .what = "stack in memory of the work group", .defines = "STACK_SHARED"},
+    {.name = "storage", .what = "storage blocks", .defines = "STORAGE_FETCH", .root_grid = 1, .storage = 1},
+    {.name = "local-stack", .what = "stack in an array of the ray", .defines = "STACK_LOCAL", .root_grid = 1},
+    {.name = "shared-stack",
+     .what = "stack in memory of the work group",
+     .defines = "STACK_SHARED",
+     .root_grid = 1},
     {.name = "seed64-lists",
      .what = "Weier et al.'s node, a lone triangle is a list of one",
      .form = FORM_SEED64_LISTS,
@@ -152,6 +159,8 @@ static void open_entry(gw_gl *device, const gw_scene *scene, const gw_octree *oc
     /* What the form does not bring is the shipped array. */
     if (!entry->variant.textures[0])
         entry->bytes[GW_PART_NODES] += gw_octree_node_bytes(octree);
+    if (row->root_grid)
+        entry->bytes[GW_PART_GRID] += gw_root_grid_size(gw_root_grid_level(octree)) * sizeof(gw_node);
     if (!entry->variant.textures[1])
         entry->bytes[GW_PART_REFERENCES] += gw_octree_reference_bytes(octree);
 }

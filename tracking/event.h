@@ -10,13 +10,13 @@
 /* The protocol has no time stamp. */
 #define GW_NO_TIME INT64_MIN
 
-typedef enum gw_event_kind {
+typedef enum gw_tracking_event_kind {
     GW_EVENT_POSE,   /* where a sensor is and how it is turned */
     GW_EVENT_GAZE,   /* where one viewer looks */
     GW_EVENT_BUTTON, /* pressed or let go */
     GW_EVENT_ANALOG, /* a joystick's axis or the like */
     GW_EVENT_LINK    /* the source was reached, or lost */
-} gw_event_kind;
+} gw_tracking_event_kind;
 
 /* What the numbers of a gaze are measured in. */
 typedef enum gw_gaze_frame {
@@ -27,7 +27,7 @@ typedef enum gw_gaze_frame {
 /* Positions are in the source's unit and frame, orientations unit quaternions x, y, z, w that turn the
  * source's axes onto the sensor's. Everything is finite. */
 typedef struct gw_tracking_event {
-    gw_event_kind kind;
+    gw_tracking_event_kind kind;
     int32_t sensor;  /* of a pose: the device's number; of a gaze: the viewer; button or axis: its number */
     int64_t arrival; /* ns on this machine's monotonic clock (base/clock.h), or of the recording */
     int64_t device_time; /* ns since 1970 on the sender's clock, or GW_NO_TIME */

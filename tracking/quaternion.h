@@ -1,0 +1,45 @@
+/* Unit quaternions x, y, z, w as turns: q v q*, as VRPN has them. Values; any thread. Only + - * / and square
+ * roots, so the same bits on every machine. */
+#ifndef GW_TRACKING_QUATERNION_H
+#define GW_TRACKING_QUATERNION_H
+
+#include <math.h>
+
+/* out = the turn `first` followed by the turn `second`; out may be either. */
+static inline void gw_turn_after(const double second[4], const double first[4], double out[4]) {
+    const double a = second[0], b = second[1], c = second[2], d = second[3];
+    const double x = first[0], y = first[1], z = first[2], w = first[3];
+    out[0] = d * x + a * w + b * z - c * y;
+    out[1] = d * y - a * z + b * w + c * x;
+    out[2] = d * z + a * y - b * x + c * w;
+    out[3] = d * w - a * x - b * y - c * z;
+}
+
+/* out = v turned by q: v + 2 w (u x v) + 2 u x (u x v), with q = (u, w); out may be v. */
+static inline void gw_turn_vector(const double q[4], const double v[3], double out[3]) {
+    const double s = 2 * (q[1] * v[2] - q[2] * v[1]), t = 2 * (q[2] * v[0] - q[0] * v[2]),
+                 r = 2 * (q[0] * v[1] - q[1] * v[0]);
+    const double x = v[0], y = v[1], z = v[2];
+    out[0] = x + q[3] * s + (q[1] * r - q[2] * t);
+    out[1] = y + q[3] * t + (q[2] * s - q[0] * r);
+    out[2] = z + q[3] * r + (q[0] * t - q[1] * s);
+}
+
+static inline void gw_turn_back(const double q[4], double out[4]) {
+    out[0] = -q[0];
+    out[1] = -q[1];
+    out[2] = -q[2];
+    out[3] = q[3];
+}
+
+/* To length 1. Returns 0, and leaves q alone, if it has no length or one that is no number. */
+static inline int gw_turn_normalise(double q[4]) {
+    const double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    if (!(length > 1e-9 && length < 1e150))
+        return 0;
+    for (int i = 0; i < 4; i++)
+        q[i] /= length;
+    return 1;
+}
+
+#endif

@@ -26,6 +26,7 @@ typedef struct gw_gl_limits {
     int32_t storage_blocks, texture_units; /* in the compute stage */
     int32_t texture_side, texture_layers;  /* px of a 2D texture; layers of an array */
     int32_t program_binary_formats;        /* 0 is normal */
+    int32_t resets_told;                   /* 1: the driver tells when the GPU was reset */
     int32_t software;                      /* 1: llvmpipe, softpipe or another CPU rasteriser */
 } gw_gl_limits;
 

@@ -59,6 +59,7 @@ static void ask_limits(gw_gl_limits *limits) {
     limits->texture_side = (int32_t)ask(GL_MAX_TEXTURE_SIZE);
     limits->texture_layers = (int32_t)ask(GL_MAX_ARRAY_TEXTURE_LAYERS);
     limits->program_binary_formats = (int32_t)ask(GL_NUM_PROGRAM_BINARY_FORMATS);
+    limits->resets_told = ask(GL_RESET_NOTIFICATION_STRATEGY) == GL_LOSE_CONTEXT_ON_RESET;
     limits->software = is_software(limits->renderer);
 }
 

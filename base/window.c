@@ -151,9 +151,21 @@ gw_code gw_window_possible(gw_error *error) {
     return GW_OK;
 }
 
-static void hint(const gw_window_options *options, int context_api) {
+/* How a context is asked for: EGL first, as without a window: one driver for both. GLX serves where the
+ * display's EGL does not. That a reset of the GPU be told is asked where the driver can. */
+typedef struct context_wish {
+    int api, robustness;
+} context_wish;
+static const context_wish wishes[] = {{GLFW_EGL_CONTEXT_API, GLFW_LOSE_CONTEXT_ON_RESET},
+                                      {GLFW_EGL_CONTEXT_API, GLFW_NO_ROBUSTNESS},
+                                      {GLFW_NATIVE_CONTEXT_API, GLFW_LOSE_CONTEXT_ON_RESET},
+                                      {GLFW_NATIVE_CONTEXT_API, GLFW_NO_ROBUSTNESS}};
+enum { WISH_COUNT = sizeof wishes / sizeof wishes[0] };
+
+static void hint(const gw_window_options *options, const context_wish *wish) {
     glfwDefaultWindowHints();
-    glfwWindowHint(GLFW_CONTEXT_CREATION_API, context_api);
+    glfwWindowHint(GLFW_CONTEXT_CREATION_API, wish->api);
+    glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, wish->robustness);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
@@ -204,11 +216,9 @@ static gw_code make(gw_window *window, const gw_window_options *options, const g
                     gw_error *error) {
     int size[2];
     fit(options, size);
-    /* EGL first, as without a window: one driver for both. GLX serves where the display's EGL does not. */
-    static const int context_apis[] = {GLFW_EGL_CONTEXT_API, GLFW_NATIVE_CONTEXT_API};
-    char tried[2][256];
-    for (int i = 0; i < 2 && !window->handle; i++) {
-        hint(options, context_apis[i]);
+    char tried[WISH_COUNT][256];
+    for (int i = 0; i < WISH_COUNT && !window->handle; i++) {
+        hint(options, &wishes[i]);
         if (monitor)
             glfwWindowHint(GLFW_REFRESH_RATE, monitor->refresh);
         window->handle =
@@ -220,7 +230,7 @@ static gw_code make(gw_window *window, const gw_window_options *options, const g
         return gw_fail(error, GW_MACHINE,
                        "%s: no window with OpenGL 4.5 core on display '%s'; install a driver such as "
                        "libgl1-mesa-dri (by EGL: %s; by GLX: %s)",
-                       options->title, getenv("DISPLAY"), tried[0], tried[1]);
+                       options->title, getenv("DISPLAY"), tried[1], tried[3]);
     return GW_OK;
 }
 

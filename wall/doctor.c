@@ -1,6 +1,6 @@
 #include "wall/doctor.h"
 
-#include "wall/examine.h"
+#include "base/memory.h"
 #include "wall/link.h"
 #include "wall/reach.h"
 
@@ -204,8 +204,9 @@ static void examine_clock(gw_doctor *d, const gw_host *h, gw_examiner *e) {
         GOOD(h->name, "its clock is %+.1f ms off, give or take %.1f ms", ms, doubt);
 }
 
-static void examine_way_back(gw_doctor *d, const gw_host *h, const gw_link_listener *listener,
-                             gw_examiner *e) {
+/* 1 when there is one. */
+static int examine_way_back(gw_doctor *d, const gw_host *h, const gw_link_listener *listener,
+                            gw_examiner *e) {
     char request[128], address[96];
     gw_error error = {0};
     json_t *answer = NULL;
@@ -213,10 +214,11 @@ static void examine_way_back(gw_doctor *d, const gw_host *h, const gw_link_liste
     snprintf(address, sizeof address, "%s", listener->network_name + 4);
     char *port = strrchr(address, ':');
     if (!port)
-        return;
+        return 0;
     *port++ = '\0';
     snprintf(request, sizeof request, "back %s %s", address, port);
-    if (gw_examiner_ask(e, request, ANSWER_MS, &answer, &error))
+    const int failed = gw_examiner_ask(e, request, ANSWER_MS, &answer, &error) != GW_OK;
+    if (failed)
         WRONG(GW_MACHINE, h->name,
               "from there this machine is not reached at %s port %s: %s; let ports 1024 to 65535 of this "
               "network "
@@ -225,6 +227,7 @@ static void examine_way_back(gw_doctor *d, const gw_host *h, const gw_link_liste
     else
         GOOD(h->name, "it reaches this machine at %s", address);
     json_decref(answer);
+    return !failed;
 }
 
 /* --- what draws
@@ -277,17 +280,19 @@ static void examine_panel(gw_doctor *d, const gw_host *h, uint32_t tile, gw_exam
     tell_device(d, h, what, code, answer, &error);
 }
 
-static void examine_inside(gw_doctor *d, const gw_host *h, const gw_link_listener *listener, gw_examiner *e) {
+/* 1 when the ways from and to the host are worth a look. */
+static int examine_inside(gw_doctor *d, const gw_host *h, const gw_link_listener *listener, gw_examiner *e) {
     gw_error error = {0};
     json_t *facts = NULL;
+    int reaches = 1;
     if (gw_examiner_ask(e, "facts", ANSWER_MS, &facts, &error)) {
         WRONG(GW_MACHINE, h->name, "%s", error.text);
-        return;
+        return 0;
     }
     if (!h->here) {
         examine_program(d, h, facts);
         examine_mpi(d, h, facts);
-        examine_way_back(d, h, listener, e);
+        reaches = examine_way_back(d, h, listener, e);
         examine_clock(d, h, e);
     }
     examine_memory(d, h, facts);
@@ -295,36 +300,56 @@ static void examine_inside(gw_doctor *d, const gw_host *h, const gw_link_listene
     for (uint32_t i = 0; i < d->site->layout.tile_count; i++)
         if (&d->hosts->host[d->hosts->of_tile[i]] == h)
             examine_panel(d, h, i, e);
+    return reaches;
 }
 
-static void examine_host(gw_doctor *d, const gw_host *h, const gw_link_listener *listener,
-                         const char *program) {
-    static gw_examiner examiner;
+/* An examiner that goes on answering; NULL when the host cannot be asked further. */
+static gw_examiner *examine_host(gw_doctor *d, const gw_host *h, const gw_link_listener *listener,
+                                 const char *program) {
+    gw_examiner *examiner = NULL;
     gw_error error = {0};
     if (!h->here && !examine_way(d, h))
-        return;
-    if (gw_examiner_start(h, d->agent, program, &examiner, &error)) {
-        WRONG(GW_MACHINE, h->name, "%s", error.text);
-        return;
+        return NULL;
+    gw_code code = gw_allocate((void **)&examiner, 1, sizeof *examiner, "talk with a host", &error);
+    if (!code)
+        code = gw_examiner_start(h, d->agent, program, examiner, &error);
+    if (code) {
+        WRONG(code, h->name, "%s", error.text);
+        free(examiner);
+        return NULL;
     }
     if (!h->here)
         GOOD(h->name, "'%s' starts programs there", d->agent);
-    examine_inside(d, h, listener, &examiner);
-    gw_examiner_stop(&examiner);
+    if (examine_inside(d, h, listener, examiner))
+        return examiner;
+    gw_examiner_stop(examiner);
+    free(examiner);
+    return NULL;
+}
+
+static void examine_hosts(gw_doctor *d, const gw_link_listener *listener) {
+    gw_examiner *examiners[GW_MAXIMUM_TILES] = {NULL};
+    char program[4096];
+    ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
+    program[length > 0 ? length : 0] = '\0';
+    for (uint32_t i = 0; i < d->hosts->count; i++)
+        examiners[i] = examine_host(d, &d->hosts->host[i], listener, program);
+    gw_doctor_ways(d, examiners);
+    for (uint32_t i = 0; i < d->hosts->count; i++)
+        if (examiners[i]) {
+            gw_examiner_stop(examiners[i]);
+            free(examiners[i]);
+        }
 }
 
 void gw_doctor_examine(gw_doctor *d) {
-    char program[4096];
     gw_error error = {0};
     gw_link_listener listener = {.local = -1, .network = -1};
-    ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
-    program[length > 0 ? length : 0] = '\0';
     examine_mpirun(d);
     if (d->hosts->listen[0] && gw_link_listen(d->hosts->listen, &listener, &error))
         WRONG(error.code, "launcher", "%s", error.text);
     else
-        for (uint32_t i = 0; i < d->hosts->count; i++)
-            examine_host(d, &d->hosts->host[i], &listener, program);
+        examine_hosts(d, &listener);
     gw_link_close(&listener);
     gw_doctor_tracker(d);
 }

@@ -5,6 +5,7 @@
 #define GW_WALL_DOCTOR_H
 
 #include "base/status.h"
+#include "wall/examine.h"
 #include "wall/hosts.h"
 #include "wall/site.h"
 
@@ -28,9 +29,16 @@ typedef struct gw_doctor {
 /* Prints one finding; code is that of a wrong one. */
 void gw_doctor_find(gw_doctor *doctor, gw_finding finding, gw_code code, const char *where,
                     const char *format, ...) __attribute__((format(printf, 5, 6)));
-/* This machine's MPI, then every host, then the tracker. */
+/* This machine's MPI, then every host, the ways between them, the tracker. */
 void gw_doctor_examine(gw_doctor *doctor);
-/* The parts in files of their own: */
-void gw_doctor_tracker(gw_doctor *doctor); /* wall/doctor_tracker.c */
+
+/* --- The parts in files of their own. */
+
+/* wall/doctor_ways.c: MPI's ways, from every host to every other on ports of their own choice. hosts[i] is
+ * the site's host i as far as it can be asked: NULL where it cannot, or where something else is wrong
+ * already. */
+void gw_doctor_ways(gw_doctor *doctor, gw_examiner *const *hosts);
+/* wall/doctor_tracker.c */
+void gw_doctor_tracker(gw_doctor *doctor);
 
 #endif

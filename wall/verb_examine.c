@@ -11,9 +11,11 @@
 #include <errno.h>
 #include <inttypes.h>
 #include <mpi.h>
+#include <netdb.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <sys/statvfs.h>
 #include <time.h>
 #include <unistd.h>
@@ -82,6 +84,27 @@ static json_t *way_back(const char *address, unsigned port) {
     return refuse(text);
 }
 
+/* Takes connections until the program ends; what connects is never answered. */
+static json_t *listen_at(const char *address) {
+    const struct addrinfo hints = {
+        .ai_family = AF_UNSPEC, .ai_socktype = SOCK_STREAM, .ai_flags = AI_NUMERICHOST | AI_PASSIVE};
+    struct addrinfo *found = NULL;
+    struct sockaddr_storage name;
+    socklen_t size = sizeof name;
+    char port[8] = "";
+    if (getaddrinfo(address, "0", &hints, &found))
+        return refuse("this is no numeric address");
+    int made = socket(found->ai_family, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    int failed = made < 0 || bind(made, found->ai_addr, found->ai_addrlen) || listen(made, SOMAXCONN) ||
+                 getsockname(made, (struct sockaddr *)&name, &size) ||
+                 getnameinfo((struct sockaddr *)&name, size, NULL, 0, port, sizeof port, NI_NUMERICSERV);
+    json_t *answer = failed ? refuse(strerror(errno)) : json_pack("{s:i}", "port", atoi(port));
+    freeaddrinfo(found);
+    if (failed && made >= 0)
+        close(made);
+    return answer;
+}
+
 static json_t *describe_device(const gw_gl_options *options) {
     gw_gl *device = NULL;
     gw_error error = {0};
@@ -121,6 +144,8 @@ static json_t *answer_to(char *request) {
         return clock_now();
     if (sscanf(request, "back %63s %u", address, &port) == 2 && port < 65536)
         return way_back(address, port);
+    if (sscanf(request, "listen %63s", address) == 1)
+        return listen_at(address);
     if (sscanf(request, "gpu %d", &index) == 1)
         return gpu(index);
     if (!strncmp(request, "display ", 8))

@@ -96,6 +96,7 @@ static void print_device(const gw_gl_limits *l) {
     printf("textures           %d px a side, %d layers\n", l->texture_side, l->texture_layers);
     printf("program binaries   %d format%s\n", l->program_binary_formats,
            l->program_binary_formats == 1 ? "" : "s");
+    printf("resets of the GPU  %s\n", l->resets_told ? "told by the driver" : "not told by the driver");
 }
 
 static void print_floats(const gw_float_environment *f) {

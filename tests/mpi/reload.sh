@@ -85,7 +85,10 @@ def rows(path):
     return out
 
 # Level lines stand in the same rows on every tile: of a column beside names and marks, where no line is upright.
-frames = sorted(glob.glob(sys.argv[1] + "/wall-[0-9]*.png"), key=lambda name: int(name.split("-")[-1][:-4]))
+# The frame that the interruption ends may lack tiles, and says so in its name.
+names = glob.glob(sys.argv[1] + "/wall-[0-9]*.png")
+frames = sorted((name for name in names if "-incomplete" not in name), key=lambda name: int(name.split("-")[-1][:-4]))
+assert len(names) - len(frames) <= 1, "incomplete frames"
 step = max(1, len(frames) // 250)
 shown, mixed = set(), 0
 tops = [json.load(open(name[:-3] + "json"))["site"]["tiles"][0]["corner"][1] for name in frames]

@@ -89,6 +89,8 @@ for tiles in 1x1 3x1; do
     sim tiles-$tiles --tile-windows --tiles $tiles --size ${width}x$height "${view[@]}"
     same tiles-$tiles
 done
+is "a window's context is asked to tell of resets as one without is" "$(json tiles-1x1.json '["device"]["resets_told"]')" \
+    "$(json headless-2x1.json '["device"]["resets_told"]')"
 sim wall --window --frames 1 --tiles 2x2 --size ${width}x$height "${view[@]}"
 same wall
 sim shown --window --tiles 2x1 --size ${width}x$height --input tour.txt --save-states shown-states.json

@@ -232,7 +232,8 @@ static void put_sight(const drawing *d, const view *v, double y) {
         }
     for (int i = 0; i < 2; i++)
         put_line(d, v, eye, ends[i], "stroke=\"#b3261e\" stroke-width=\"0.8\" stroke-dasharray=\"5 4\"");
-    snprintf(text, sizeof text, "%.0f degrees across, seen from above", (angles[1] - angles[0]) * 57.29577951308232);
+    snprintf(text, sizeof text, "%.0f degrees across, seen from above",
+             (angles[1] - angles[0]) * 57.29577951308232);
     gw_svg_text(d->svg, LEFT_EDGE + VIEW_WIDTH, y, "text-anchor=\"end\" font-size=\"12\" fill=\"#b3261e\"",
                 text);
 }

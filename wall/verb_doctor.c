@@ -58,7 +58,8 @@ static const struct argp doctor_argp = {
     .doc =
         "Tests every hop that a wall needs, host by host: the name, the way there, the agent that starts "
         "programs, the same gazewall and MPI, the way back, the clock, memory, every GPU and display; then "
-        "the ways between the hosts, and the tracker. Each finding is one line: good, mind (it works, but), or WRONG with what mends it."
+        "the ways between the hosts, and the tracker. Each finding is one line: good, mind (it works, but), "
+        "or WRONG with what mends it."
         "\vExit codes: 0 nothing is wrong; 2 the site file or a name in it is; 3 a machine, a program or the "
         "way between them is.\n\n"
         "gazewall doctor lab.yaml\n"

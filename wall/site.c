@@ -15,6 +15,7 @@ void gw_site_defaults(gw_site *site) {
         site->panels[i] = (gw_panel){.gpu = -1, .white = {1, 1, 1}, .brightness = 1};
     site->times = (gw_site_times){.load = 600, .death = 2, .refresh = 60};
     site->address[0] = site->tracker[0] = '\0';
+    gw_tracker_setup_none(&site->trackers);
     site->eye_distance = 63;
     site->fly_speed = 2;
 }

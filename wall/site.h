@@ -7,6 +7,7 @@
 
 #include "base/log.h"
 #include "base/status.h"
+#include "tracking/setup.h"
 #include "wall/layout.h"
 
 #include <stdint.h>
@@ -50,10 +51,12 @@ typedef struct gw_site {
     gw_layout layout;
     gw_panel panels[GW_MAXIMUM_TILES]; /* panel i is tile i's */
     gw_site_times times;
-    char address[64];    /* of the interface on which rank 0 takes tiles that come back; "": loopback */
-    char tracker[256];   /* source of head and gaze when the command line names none; "": none */
-    double eye_distance; /* mm between a viewer's eyes, for stereo; 0 to 100 */
-    double fly_speed;    /* m/s of the scene, of navigation by keys; 0: none */
+    char address[64];  /* of the interface on which rank 0 takes tiles that come back; "": loopback */
+    char tracker[256]; /* the one source that key `tracker` names, with the usual setup; "": it does not */
+    gw_tracker_setup trackers; /* sources of head and gaze when the command line names none: that one, or
+                                  those of key `trackers`; no source: none */
+    double eye_distance;       /* mm between a viewer's eyes, for stereo; 0 to 100 */
+    double fly_speed;          /* m/s of the scene, of navigation by keys; 0: none */
 } gw_site;
 
 /* One machine, headless, mono panels that show sRGB as it is. Leaves layout alone. */

@@ -1,15 +1,12 @@
 /* The difference of two sites, in words. */
-#include "wall/site.h"
+#include "wall/site_internal.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
-static void add(gw_site_changes *out, int restart, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
-
-static void add(gw_site_changes *out, int restart, const char *format, ...) {
+void gw_site_change(gw_site_changes *out, int restart, const char *format, ...) {
     out->restarts += restart != 0;
     if (out->count == GW_MAXIMUM_CHANGES) {
         out->left_out++;
@@ -24,18 +21,19 @@ static void add(gw_site_changes *out, int restart, const char *format, ...) {
 
 static void number(gw_site_changes *out, int restart, const char *what, double before, double after) {
     if (before != after)
-        add(out, restart, "%s %g -> %g", what, before, after);
+        gw_site_change(out, restart, "%s %g -> %g", what, before, after);
 }
 
 static void text(gw_site_changes *out, const char *what, const char *before, const char *after) {
     if (strcmp(before, after) != 0)
-        add(out, 1, "%s %.80s -> %.80s", what, before[0] ? before : "none", after[0] ? after : "none");
+        gw_site_change(out, 1, "%s %.80s -> %.80s", what, before[0] ? before : "none",
+                       after[0] ? after : "none");
 }
 
 static void vector(gw_site_changes *out, const char *what, const double before[3], const double after[3]) {
     if (memcmp(before, after, 3 * sizeof *before) != 0)
-        add(out, 0, "%s [%g, %g, %g] -> [%g, %g, %g]", what, before[0], before[1], before[2], after[0],
-            after[1], after[2]);
+        gw_site_change(out, 0, "%s [%g, %g, %g] -> [%g, %g, %g]", what, before[0], before[1], before[2],
+                       after[0], after[1], after[2]);
 }
 
 static void compare_panel(gw_site_changes *out, const char *name, const gw_panel *before,
@@ -47,11 +45,11 @@ static void compare_panel(gw_site_changes *out, const char *name, const gw_panel
     text(out, WHAT("monitor"), before->monitor, after->monitor);
     number(out, 1, WHAT("gpu"), before->gpu, after->gpu);
     if (before->window[0] != after->window[0] || before->window[1] != after->window[1])
-        add(out, 1, "%s [%d, %d] -> [%d, %d]", WHAT("window"), before->window[0], before->window[1],
-            after->window[0], after->window[1]);
+        gw_site_change(out, 1, "%s [%d, %d] -> [%d, %d]", WHAT("window"), before->window[0],
+                       before->window[1], after->window[0], after->window[1]);
     if (before->stereo != after->stereo)
-        add(out, 0, "%s %s -> %s", WHAT("stereo"), gw_stereo_names[before->stereo],
-            gw_stereo_names[after->stereo]);
+        gw_site_change(out, 0, "%s %s -> %s", WHAT("stereo"), gw_stereo_names[before->stereo],
+                       gw_stereo_names[after->stereo]);
     number(out, 0, WHAT("gamma"), before->gamma, after->gamma);
     vector(out, WHAT("white"), before->white, after->white);
     number(out, 0, WHAT("brightness"), before->brightness, after->brightness);
@@ -61,8 +59,8 @@ static void compare_panel(gw_site_changes *out, const char *name, const gw_panel
 static void compare_tile(gw_site_changes *out, const gw_tile *before, const gw_tile *after) {
     const gw_rectangle *from = &before->rectangle, *to = &after->rectangle;
     if (from->width != to->width || from->height != to->height) {
-        add(out, 1, "tile '%s': pixels %ux%u -> %ux%u", before->name, from->width, from->height, to->width,
-            to->height);
+        gw_site_change(out, 1, "tile '%s': pixels %ux%u -> %ux%u", before->name, from->width, from->height,
+                       to->width, to->height);
     } else if (memcmp(&before->plane, &after->plane, sizeof before->plane) != 0 || from->x != to->x ||
                from->y != to->y) {
         double old[4][3], new[4][3], moved[4];
@@ -71,30 +69,30 @@ static void compare_tile(gw_site_changes *out, const gw_tile *before, const gw_t
         for (int i = 0; i < 4; i++)
             moved[i] = sqrt(pow(new[i][0] - old[i][0], 2) + pow(new[i][1] - old[i][1], 2) +
                             pow(new[i][2] - old[i][2], 2));
-        add(out, 0, "tile '%s': corners moved by %.3g, %.3g, %.3g and %.3g mm", before->name, moved[0],
-            moved[1], moved[2], moved[3]);
+        gw_site_change(out, 0, "tile '%s': corners moved by %.3g, %.3g, %.3g and %.3g mm", before->name,
+                       moved[0], moved[1], moved[2], moved[3]);
     }
     if (memcmp(before->picture, after->picture, sizeof before->picture) != 0)
-        add(out, 0, "tile '%s': place [%u, %u] -> [%u, %u]", before->name, before->picture[0],
-            before->picture[1], after->picture[0], after->picture[1]);
+        gw_site_change(out, 0, "tile '%s': place [%u, %u] -> [%u, %u]", before->name, before->picture[0],
+                       before->picture[1], after->picture[0], after->picture[1]);
     if (memcmp(before->framed, after->framed, sizeof before->framed) != 0)
-        add(out, 0, "tile '%s': framed [%u, %u] -> [%u, %u]", before->name, before->framed[0],
-            before->framed[1], after->framed[0], after->framed[1]);
+        gw_site_change(out, 0, "tile '%s': framed [%u, %u] -> [%u, %u]", before->name, before->framed[0],
+                       before->framed[1], after->framed[0], after->framed[1]);
 }
 
 static void compare_tiles(gw_site_changes *out, const gw_site *before, const gw_site *after) {
     const gw_layout *from = &before->layout, *to = &after->layout;
     if (from->tile_count != to->tile_count)
-        add(out, 1, "tiles %u -> %u", from->tile_count, to->tile_count);
+        gw_site_change(out, 1, "tiles %u -> %u", from->tile_count, to->tile_count);
     if (from->picture[0] != to->picture[0] || from->picture[1] != to->picture[1])
-        add(out, 1, "picture %ux%u -> %ux%u px", from->picture[0], from->picture[1], to->picture[0],
-            to->picture[1]);
+        gw_site_change(out, 1, "picture %ux%u -> %ux%u px", from->picture[0], from->picture[1],
+                       to->picture[0], to->picture[1]);
     if (from->framed[0] != to->framed[0] || from->framed[1] != to->framed[1])
-        add(out, 0, "picture with bezels %ux%u -> %ux%u px", from->framed[0], from->framed[1], to->framed[0],
-            to->framed[1]);
+        gw_site_change(out, 0, "picture with bezels %ux%u -> %ux%u px", from->framed[0], from->framed[1],
+                       to->framed[0], to->framed[1]);
     for (uint32_t t = 0; t < from->tile_count && t < to->tile_count; t++) {
         if (strcmp(from->tiles[t].name, to->tiles[t].name) != 0) {
-            add(out, 1, "tile %u: name %s -> %s", t, from->tiles[t].name, to->tiles[t].name);
+            gw_site_change(out, 1, "tile %u: name %s -> %s", t, from->tiles[t].name, to->tiles[t].name);
             continue;
         }
         compare_tile(out, &from->tiles[t], &to->tiles[t]);
@@ -108,7 +106,7 @@ gw_code gw_site_compare(const gw_site *before, const gw_site *after, gw_site_cha
     vector(out, "eye", before->layout.eye, after->layout.eye);
     number(out, 0, "eye_distance", before->eye_distance, after->eye_distance);
     number(out, 0, "fly_speed", before->fly_speed, after->fly_speed);
-    text(out, "tracker", before->tracker, after->tracker);
+    gw_site_compare_trackers(out, before, after);
     text(out, "address", before->address, after->address);
     number(out, 1, "times: load", from->load, to->load);
     number(out, 1, "times: frame", from->frame, to->frame);

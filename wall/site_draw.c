@@ -27,15 +27,46 @@ typedef struct view {
     double scale, origin[2];
 } view;
 
+/* Where a tracking device stands and how its axes point. */
+typedef struct device {
+    double origin[3], tips[3][3];
+} device;
+
 typedef struct drawing {
     FILE *svg;
     const gw_site *site;
     double corners[GW_MAXIMUM_TILES][4]
-                  [3];               /* round the tile: top left, top right, bottom right, bottom left */
-    double low[3], high[3];          /* mm, box of tiles and eye */
+                  [3]; /* round the tile: top left, top right, bottom right, bottom left */
+    device devices[GW_TRACKER_SOURCES];
+    double low[3], high[3];          /* mm, box of tiles, eye and devices */
     uint32_t host[GW_MAXIMUM_TILES]; /* number of the tile's host, by first appearance */
     uint32_t hosts;
 } drawing;
+
+static void widen(drawing *d, const double point[3]) {
+    for (int i = 0; i < 3; i++) {
+        d->low[i] = fmin(d->low[i], point[i]);
+        d->high[i] = fmax(d->high[i], point[i]);
+    }
+}
+
+/* After the tiles: a device's axes are as long as can be seen. */
+static void gather_devices(drawing *d) {
+    const gw_tracker_setup *setup = &d->site->trackers;
+    const double length = fmax(60, 0.09 * fmax(d->high[0] - d->low[0], d->high[2] - d->low[2]));
+    for (uint32_t s = 0; s < setup->source_count; s++) {
+        device *at = &d->devices[s];
+        memcpy(at->origin, setup->sources[s].room.shift, sizeof at->origin);
+        widen(d, at->origin);
+        for (int axis = 0; axis < 3; axis++) {
+            const double along[3] = {axis == 0, axis == 1, axis == 2};
+            gw_room_direction(&setup->sources[s].room, along, at->tips[axis]);
+            for (int i = 0; i < 3; i++)
+                at->tips[axis][i] = at->origin[i] + length * at->tips[axis][i];
+            widen(d, at->tips[axis]);
+        }
+    }
+}
 
 static void gather(drawing *d) {
     const gw_layout *layout = &d->site->layout;
@@ -44,17 +75,16 @@ static void gather(drawing *d) {
     for (uint32_t t = 0; t < layout->tile_count; t++) {
         double corners[4][3];
         gw_tile_corners(&layout->tiles[t], corners);
-        for (int corner = 0; corner < 4; corner++)
-            for (int i = 0; i < 3; i++) {
-                d->corners[t][corner][i] = corners[corner < 2 ? corner : 5 - corner][i];
-                d->low[i] = fmin(d->low[i], corners[corner][i]);
-                d->high[i] = fmax(d->high[i], corners[corner][i]);
-            }
+        for (int corner = 0; corner < 4; corner++) {
+            memcpy(d->corners[t][corner], corners[corner < 2 ? corner : 5 - corner], sizeof *corners);
+            widen(d, corners[corner]);
+        }
         uint32_t same = 0;
         while (same < t && strcmp(d->site->panels[same].host, d->site->panels[t].host) != 0)
             same++;
         d->host[t] = same < t ? d->host[same] : d->hosts++;
     }
+    gather_devices(d);
 }
 
 static void view_extent(const drawing *d, view *v) {
@@ -160,6 +190,34 @@ static void put_eye(const drawing *d, const view *v) {
             "stroke-width=\"1.4\"/>\n<circle cx=\"%.1f\" cy=\"%.1f\" r=\"2.6\" fill=\"#b3261e\"/>\n",
             at[0] - 8, at[1], at[0], at[1]);
     gw_svg_text(d->svg, at[0] + 12, at[1] + 4, "fill=\"#b3261e\" font-size=\"12\"", "eye");
+}
+
+/* Origin and axes of each tracking device, as it names them. */
+static void put_devices(const drawing *d, const view *v) {
+    static const char *const strokes[] = {"stroke=\"#c0392b\" stroke-width=\"1.6\"",
+                                          "stroke=\"#1e8449\" stroke-width=\"1.6\"",
+                                          "stroke=\"#1f4fa3\" stroke-width=\"1.6\""};
+    static const char *const names[] = {"x", "y", "z"};
+    for (uint32_t s = 0; s < d->site->trackers.source_count; s++) {
+        const device *at = &d->devices[s];
+        double origin[2], tip[2];
+        double side = 0; /* the name stands where no axis points */
+        char text[48];
+        to_paper(v, at->origin, origin);
+        for (int axis = 0; axis < 3; axis++) {
+            put_line(d, v, at->origin, at->tips[axis], strokes[axis]);
+            to_paper(v, at->tips[axis], tip);
+            const double x = tip[0] - origin[0], y = tip[1] - origin[1], length = sqrt(x * x + y * y);
+            side -= x;
+            if (length > 6) /* else it points at whoever looks */
+                gw_svg_text(d->svg, tip[0] + 6 * x / length - 3, tip[1] + 6 * y / length + 3,
+                            "font-size=\"10\"", names[axis]);
+        }
+        fprintf(d->svg, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3\" fill=\"#222\"/>\n", origin[0], origin[1]);
+        snprintf(text, sizeof text, "%.40s", d->site->trackers.sources[s].spec);
+        gw_svg_text(d->svg, origin[0] + (side < 0 ? -7 : 7), origin[1] + 13,
+                    side < 0 ? "text-anchor=\"end\" font-size=\"10\"" : "font-size=\"10\"", text);
+    }
 }
 
 static void put_title(const drawing *d, const view *v, const char *title) {
@@ -269,6 +327,7 @@ static void put_bird(const drawing *d, double height) {
     put_tiles(d, &v);
     const double *eye = d->site->layout.eye, foot[3] = {eye[0], d->low[1], eye[2]};
     put_line(d, &v, eye, foot, "stroke=\"#b3261e\" stroke-width=\"0.8\" stroke-dasharray=\"2 3\"");
+    put_devices(d, &v);
     put_eye(d, &v);
 }
 
@@ -325,10 +384,12 @@ static void put_all(drawing *d, const char *title) {
     put_tiles(d, &front);
     put_gaps(d, &front, 0);
     put_gaps(d, &front, 1);
+    put_devices(d, &front);
     put_eye(d, &front);
     put_title(d, &top, "Top (x to the right, z down to the viewer)");
     put_sight(d, &top, top.origin[1] - 24);
     put_tiles(d, &top);
+    put_devices(d, &top);
     put_eye(d, &top);
     put_bird(d, end - TOP);
     put_scale(d, LEFT_EDGE, paper - 26, front.scale, VIEW_WIDTH);

@@ -129,38 +129,38 @@ static gw_code read_times(const gw_yaml_node *root, gw_site_times *out, gw_error
     return code;
 }
 
+gw_code gw_site_address(const gw_yaml_node *map, const char *key, char out[64], gw_error *error) {
+    struct in6_addr bytes;
+    gw_code code = gw_site_text(map, key, ".:", 64, out, error);
+    if (!code && out[0] && inet_pton(AF_INET, out, &bytes) != 1 && inet_pton(AF_INET6, out, &bytes) != 1)
+        return gw_yaml_fail(gw_yaml_find(map, key), error,
+                            "key '%s': '%s' is no address; expected one of this machine's own, as 10.0.0.1",
+                            key, out);
+    return code;
+}
+
 static gw_code read_network(const gw_yaml_node *root, char out[64], gw_error *error) {
     static const char *const names[] = {"address"};
     const gw_yaml_node *map = gw_yaml_find(root, "network");
     if (!map)
         return GW_OK;
-    struct in6_addr bytes;
     gw_code code = gw_site_map(map, "network", names, GW_COUNT(names), error);
-    if (!code)
-        code = gw_site_text(map, "address", ".:", 64, out, error);
-    if (!code && out[0] && inet_pton(AF_INET, out, &bytes) != 1 && inet_pton(AF_INET6, out, &bytes) != 1)
-        return gw_yaml_fail(gw_yaml_find(map, "address"), error,
-                            "key 'address': '%s' is no address; expected one of this machine's own, as "
-                            "10.0.0.1",
-                            out);
-    return code;
+    return code ? code : gw_site_address(map, "address", out, error);
 }
 
 static gw_code read_viewer(const gw_yaml_node *root, gw_site *out, gw_error *error) {
     static const char *const names[] = {"fly_speed"};
     const gw_yaml_node *map = gw_yaml_find(root, "navigation");
     gw_code code = gw_site_number(root, "eye_distance", 0, 100, &out->eye_distance, error);
-    if (!code)
-        code = gw_site_text(root, "tracker", "-._:/@+,=%~ ", sizeof out->tracker, out->tracker, error);
     if (!code && map)
         code = gw_site_map(map, "navigation", names, GW_COUNT(names), error);
     return code || !map ? code : gw_site_number(map, "fly_speed", 0, 1e6, &out->fly_speed, error);
 }
 
 static gw_code read_site(gw_site_source *source, gw_site *out, gw_error *error) {
-    static const char *const names[] = {"version", "eye",     "eye_distance", "tracker", "navigation",
-                                        "times",   "network", "panel",        "panels",  "hosts",
-                                        "grid",    "curve",   "walls",        "tiles",   "framed_size"};
+    static const char *const names[] = {"version", "eye",   "eye_distance", "tracker", "navigation", "times",
+                                        "network", "panel", "panels",       "hosts",   "grid",       "curve",
+                                        "walls",   "tiles", "framed_size",  "trackers"};
     const gw_yaml_node *node, *root = source->root;
     long version = 0;
     gw_code code = gw_site_map(root, "site", names, GW_COUNT(names), error);
@@ -178,6 +178,8 @@ static gw_code read_site(gw_site_source *source, gw_site *out, gw_error *error) 
         code = read_network(root, out->address, error);
     if (!code)
         code = read_viewer(root, out, error);
+    if (!code)
+        code = gw_site_read_trackers(source, out, error);
     return code ? code : gw_site_check(source, out, error);
 }
 

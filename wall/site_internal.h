@@ -6,6 +6,7 @@
 #include "wall/site.h"
 
 #include <stddef.h>
+#include <stdio.h>
 
 #define GW_COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
@@ -41,6 +42,8 @@ gw_code gw_site_refit(const gw_site_source *source, uint32_t columns, uint32_t r
                       gw_layout *layout, uint32_t framed_end[2], gw_error *error);
 /* [x, y, z] in mm. */
 gw_code gw_site_point(const gw_yaml_node *node, const char *key, double out[3], gw_error *error);
+/* The numeric address of an interface, if the key is there; else "". */
+gw_code gw_site_address(const gw_yaml_node *map, const char *key, char out[64], gw_error *error);
 /* Key name, which must be there: of a tile or a wall. */
 gw_code gw_site_name(const gw_yaml_node *map, char out[32], gw_error *error);
 
@@ -61,6 +64,19 @@ gw_code gw_site_generate(gw_site_source *source, const char *kind, const gw_yaml
 gw_code gw_site_check(gw_site_source *source, const gw_site *site, gw_error *error);
 
 gw_code gw_site_check_space(gw_site_source *source, const gw_site *site, gw_error *error);
+
+/* Keys tracker and trackers of the site. */
+gw_code gw_site_read_trackers(gw_site_source *source, gw_site *site, gw_error *error);
+enum { GW_HIGHEST_SENSOR = 999 }; /* that a site can name */
+
+/* Writes what differs, and what is: parts of gw_site_compare and gw_site_write. */
+void gw_site_change(gw_site_changes *out, int restart, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+void gw_site_compare_trackers(gw_site_changes *out, const gw_site *before, const gw_site *after);
+void gw_site_put_number(FILE *out, double value); /* the shortest decimal that is read as the same double */
+void gw_site_put_numbers(FILE *out, const double *values, int count);
+void gw_site_put_room(FILE *out, const gw_room *room, const char *indent); /* unit, axes, turn, shift */
+void gw_site_put_trackers(FILE *out, const gw_site *site);
 
 /* Keys panel, panels and hosts of the site, and the key panel of tiles and walls. After the layout. */
 gw_code gw_site_read_panels(gw_site_source *source, gw_site *site, gw_error *error);

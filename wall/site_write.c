@@ -1,5 +1,5 @@
 /* A site as text: every tile by its corners, whatever made them. Reading it gives the same bits again. */
-#include "wall/site.h"
+#include "wall/site_internal.h"
 
 #include "render/vector3.h"
 
@@ -8,8 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The shortest decimal that is read as the same double. */
-static void put_number(FILE *out, double value) {
+void gw_site_put_number(FILE *out, double value) {
     char text[40];
     for (int digits = 6; digits <= 17; digits++) {
         snprintf(text, sizeof text, "%.*g", digits, value);
@@ -19,10 +18,10 @@ static void put_number(FILE *out, double value) {
     fputs(text, out);
 }
 
-static void put_numbers(FILE *out, const double *values, int count) {
+void gw_site_put_numbers(FILE *out, const double *values, int count) {
     for (int i = 0; i < count; i++) {
         fputs(i ? ", " : "[", out);
-        put_number(out, values[i]);
+        gw_site_put_number(out, values[i]);
     }
     fputs("]", out);
 }
@@ -83,13 +82,13 @@ static void put_panel(FILE *out, const gw_panel *panel) {
     fprintf(out, "%swindow: [%d, %d], stereo: %s, gamma: ", comma, panel->window[0], panel->window[1],
             gw_stereo_names[panel->stereo]);
     if (panel->gamma > 0)
-        put_number(out, panel->gamma);
+        gw_site_put_number(out, panel->gamma);
     else
         fputs("srgb", out);
     fputs(", white: ", out);
-    put_numbers(out, panel->white, 3);
+    gw_site_put_numbers(out, panel->white, 3);
     fputs(", brightness: ", out);
-    put_number(out, panel->brightness);
+    gw_site_put_number(out, panel->brightness);
     fputs("}\n", out);
 }
 
@@ -107,7 +106,7 @@ static void put_tile(FILE *out, const gw_site *site, uint32_t index) {
     fprintf(out, "  - name: %s\n    corners: [", tile->name);
     for (int i = 0; i < 3; i++) {
         fputs(i ? ", " : "", out);
-        put_numbers(out, corners[i], 3);
+        gw_site_put_numbers(out, corners[i], 3);
     }
     fprintf(out, "]\n    pixels: [%u, %u]\n    place: [%u, %u]\n    framed: [%u, %u]\n", at->width,
             at->height, tile->picture[0], tile->picture[1], tile->framed[0], tile->framed[1]);
@@ -118,13 +117,13 @@ static void put_tile(FILE *out, const gw_site *site, uint32_t index) {
 
 static void put_rest(FILE *out, const gw_site *site) {
     fputs("version: 1\neye: ", out);
-    put_numbers(out, site->layout.eye, 3);
+    gw_site_put_numbers(out, site->layout.eye, 3);
     fputs("\neye_distance: ", out);
-    put_number(out, site->eye_distance);
-    if (site->tracker[0])
-        fprintf(out, "\ntracker: \"%s\"", site->tracker);
-    fputs("\nnavigation: {fly_speed: ", out);
-    put_number(out, site->fly_speed);
+    gw_site_put_number(out, site->eye_distance);
+    fputs("\n", out);
+    gw_site_put_trackers(out, site);
+    fputs("navigation: {fly_speed: ", out);
+    gw_site_put_number(out, site->fly_speed);
     if (site->address[0])
         fprintf(out, "}\nnetwork: {address: \"%s\"", site->address);
     const struct {
@@ -139,7 +138,7 @@ static void put_rest(FILE *out, const gw_site *site) {
     for (size_t i = 0; i < sizeof times / sizeof times[0]; i++)
         if (times[i].value > 0) {
             fprintf(out, "%s%s: ", comma, times[i].key);
-            put_number(out, times[i].value);
+            gw_site_put_number(out, times[i].value);
             comma = ", ";
         }
     fprintf(out, "}\nframed_size: [%u, %u]\n", site->layout.framed[0], site->layout.framed[1]);

@@ -145,6 +145,23 @@ static void print_verdict(const char *path, const gw_site *site, const gw_site_n
            layout->eye[1], layout->eye[2]);
 }
 
+static void print_trackers(const gw_tracker_setup *setup) {
+    for (uint32_t s = 0; s < setup->source_count; s++) {
+        const gw_tracker_source *source = &setup->sources[s];
+        const char *unit = gw_room_unit_name(source->room.unit);
+        char axes[GW_AXIS_TEXT], number[32];
+        uint32_t viewers = 0;
+        for (uint32_t v = 0; v < setup->viewer_count; v++)
+            viewers += setup->viewers[v].source == (int32_t)s;
+        gw_axis_map_write(&source->room.axes, axes);
+        snprintf(number, sizeof number, "%g mm", source->room.unit);
+        printf("tracker %u: %s, unit %s, axes %s%s, origin at [%g, %g, %g], up to %u viewer%s\n", s + 1,
+               source->spec, unit ? unit : number, axes,
+               gw_axis_map_hand(&source->room.axes) < 0 ? " (left-handed)" : "", source->room.shift[0],
+               source->room.shift[1], source->room.shift[2], viewers, viewers == 1 ? "" : "s");
+    }
+}
+
 static gw_code print_corners(const gw_site *site, gw_error *error) {
     char *text;
     size_t size;
@@ -188,6 +205,7 @@ int gw_verb_check(int argc, char **argv) {
         code = print_corners(&site, &error);
     } else if (!code && !options.quiet) {
         print_verdict(options.site, &site, &notes);
+        print_trackers(&site.trackers);
         print_table(&site);
     }
     if (code)

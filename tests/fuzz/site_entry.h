@@ -15,6 +15,30 @@ static inline void fuzz_site_require(int holds) {
         abort();
 }
 
+static inline void fuzz_site_trackers(const gw_tracker_setup *setup) {
+    fuzz_site_require(setup->source_count <= GW_TRACKER_SOURCES && setup->viewer_count <= GW_TRACK_VIEWERS);
+    for (uint32_t s = 0; s < setup->source_count; s++) {
+        const gw_room *room = &setup->sources[s].room;
+        double length = 0;
+        int seen = 0;
+        for (int i = 0; i < 4; i++)
+            length += room->turn[i] * room->turn[i];
+        for (int i = 0; i < 3; i++) {
+            fuzz_site_require(room->axes.sign[i] == 1 || room->axes.sign[i] == -1);
+            fuzz_site_require(isfinite(room->shift[i]));
+            seen |= 1 << room->axes.from[i];
+        }
+        fuzz_site_require(seen == 7 && room->unit > 0 && fabs(length - 1) < 1e-9 &&
+                          setup->sources[s].spec[0]);
+    }
+    for (uint32_t v = 0; v < setup->viewer_count; v++) {
+        const gw_tracker_viewer *viewer = &setup->viewers[v];
+        fuzz_site_require(viewer->source >= 0 && (uint32_t)viewer->source < setup->source_count);
+        fuzz_site_require(viewer->gaze_source >= 0 && (uint32_t)viewer->gaze_source < setup->source_count);
+        fuzz_site_require(viewer->gaze < GW_GAZE_KINDS && viewer->gaze_error <= 45);
+    }
+}
+
 /* What everybody who takes a site relies on. */
 static inline void fuzz_site_sound(const gw_site *site) {
     const gw_layout *layout = &site->layout;
@@ -37,6 +61,7 @@ static inline void fuzz_site_sound(const gw_site *site) {
         fuzz_site_require(tile->name[0] && strlen(tile->name) < sizeof tile->name && panel->host[0] != '-');
         fuzz_site_require(panel->stereo < GW_STEREO_COUNT && panel->brightness >= 0.1);
     }
+    fuzz_site_trackers(&site->trackers);
     fuzz_site_require(site->times.death > site->times.frame && site->times.refresh >= 1);
 }
 

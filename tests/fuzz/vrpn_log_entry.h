@@ -3,6 +3,7 @@
 #ifndef GW_TESTS_FUZZ_VRPN_LOG_ENTRY_H
 #define GW_TESTS_FUZZ_VRPN_LOG_ENTRY_H
 
+#include "tests/fuzz/recording_entry.h"
 #include "tracking/track.h"
 
 #include <math.h>
@@ -16,6 +17,7 @@ static inline void fuzz_require(int holds) {
 static inline void fuzz_vrpn_log(const uint8_t *data, size_t size) {
     gw_error error = {0};
     gw_track *track = NULL;
+    fuzz_recording(data, size);
     gw_code code = gw_track_parse(data, size, "fuzz", NULL, &track, &error);
     fuzz_require((code == GW_OK) == (track != NULL));
     if (code != GW_OK) {

@@ -1,0 +1,54 @@
+/* What an eye does, from the directions in which it looks: fixations and pursuit, in which a One-Euro filter
+ * may steady the gaze, and saccades, in which it is dropped, because it would trail behind by many degrees,
+ * and in which the gaze counts as uncertain by what the saccade still has to go. A value; one thread at a
+ * time; the same bits on every machine. */
+#ifndef GW_TRACKING_FILTER_GAZE_H
+#define GW_TRACKING_FILTER_GAZE_H
+
+#include "tracking/one_euro.h"
+
+#include <stdint.h>
+
+enum { GW_GAZE_RING = 32 };
+
+typedef struct gw_gaze_tuning {
+    int filtered;          /* 0: directions pass as they are */
+    gw_one_euro one_euro;  /* growth in Hz per deg/s */
+    double saccade_speed;  /* deg/s from which a gaze is a saccade; 0: none is looked for */
+    double widening_limit; /* deg */
+} gw_gaze_tuning;
+
+typedef struct gw_gaze_filter {
+    gw_gaze_tuning tuning;
+    int started;
+    double at[3];         /* unit: filtered */
+    double delay;         /* s, group delay now */
+    double speed;         /* deg/s, over the newest 10 ms against those before, or of the last two samples */
+    double slow;          /* deg/s, as One-Euro's cutoff sees it */
+    int in_saccade;       /* since the sample at `since` */
+    int64_t since;        /* ns */
+    double from[3], peak; /* where it began; deg/s */
+    uint32_t saccades;    /* how many were seen to begin */
+    uint32_t count;       /* of samples in the ring, in all */
+    struct {
+        int64_t time;
+        double direction[3];
+    } ring[GW_GAZE_RING];
+} gw_gaze_filter;
+
+void gw_gaze_filter_begin(gw_gaze_filter *filter, const gw_gaze_tuning *tuning);
+/* A direction of any length but 0 at a time (ns); one that is not finite, has no length or is not newer than
+ * the one before is left out: 0. After a gap of more than 0.2 s nothing is known of what came before. */
+int gw_gaze_filter_take(gw_gaze_filter *filter, const double direction[3], int64_t time);
+
+/* Degrees by which the gaze may be elsewhere `late` seconds after the newest sample because of a saccade that
+ * goes on; 0 when none does. The main sequence says how far it will go: a saccade of A degrees reaches
+ * 110 sqrt(A) deg/s (P. Lebedev, P. Van Gelder, W. H. Tsui: Square-root relations between main saccadic
+ * parameters, 1996; within a fifth of A. T. Bahill, M. R. Clark, L. Stark: The main sequence, 1975, from 2 to
+ * 30 degrees), and takes 21 ms and 2.2 ms a degree (R. H. S. Carpenter: Movements of the Eyes, 1988). */
+double gw_gaze_filter_widening(const gw_gaze_filter *filter, double late);
+
+/* Degrees between two unit vectors. */
+double gw_degrees_between(const double a[3], const double b[3]);
+
+#endif

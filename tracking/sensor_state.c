@@ -14,16 +14,18 @@ int64_t gw_sensor_hold(const gw_sensor_state *sensor, int64_t hold_time) {
 
 static void note_period(gw_sensor_state *sensor, int64_t period) {
     const int64_t longest = 10 * INT64_C(1000000000);
-    int64_t sorted[GW_SENSOR_PERIODS];
-    sensor->periods[sensor->period_count++ % GW_SENSOR_PERIODS] = period < longest ? period : longest;
-    const uint32_t kept = sensor->period_count < GW_SENSOR_PERIODS ? sensor->period_count : GW_SENSOR_PERIODS;
+    int64_t sorted[GW_SENSOR_PERIODS] = {0};
+    sensor->periods[sensor->next_period] = period < longest ? period : longest;
+    sensor->next_period = (sensor->next_period + 1) % GW_SENSOR_PERIODS;
+    sensor->known_periods += sensor->known_periods < GW_SENSOR_PERIODS;
+    const uint32_t kept = sensor->known_periods;
     for (uint32_t i = 0; i < kept; i++) {
         uint32_t at = i;
         for (; at > 0 && sorted[at - 1] > sensor->periods[i]; at--)
             sorted[at] = sorted[at - 1];
         sorted[at] = sensor->periods[i];
     }
-    sensor->period = sorted[(kept - 1) / 2];
+    sensor->period = sorted[kept / 2];
 }
 
 int gw_sensor_take(gw_sensor_state *sensor, int64_t arrival, int64_t time, int64_t hold_time) {

@@ -31,9 +31,9 @@ typedef struct gw_sensor_state {
     int64_t arrival, time; /* ns, our clock: of the newest sample, and when it was taken */
     int64_t returned;      /* time of the first sample since it was last silent */
     int64_t period;        /* ns, median of the last ones; 0: not known yet */
-    uint32_t period_count; /* in all */
-    int64_t periods[GW_SENSOR_PERIODS];
-    uint32_t losses; /* how often it was lost and heard again */
+    uint32_t known_periods, next_period;
+    int64_t periods[GW_SENSOR_PERIODS]; /* a ring */
+    uint32_t losses;                    /* how often it was lost and heard again */
 } gw_sensor_state;
 
 /* How long silence is held, ns. Of a sensor that was heard once: 1.5 s, as its period is not known. */

@@ -45,7 +45,7 @@ void gw_tracker_eye(const gw_tracker_viewer *viewer, const double position_mm[3]
 }
 
 double gw_gaze_default_error(gw_gaze_kind kind) {
-    return kind == GW_GAZE_KIND_HEAD ? 20 : 1;
+    return kind == GW_GAZE_KIND_HEAD ? 27 : 3;
 }
 
 double gw_tracker_gaze_error(const gw_tracker_viewer *viewer) {

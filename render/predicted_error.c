@@ -43,7 +43,7 @@ static drawn_at by_acuity(const gw_frame_block *in_force, const gw_frame_state *
 }
 
 /* Every pixel has its rays; where voxels have grown by half a level, pixels are blurred as far as at the next
- * rate (shaders/blend/reconstruct.comp). */
+ * rate (shaders/blend/fine_blocks.comp). */
 static drawn_at by_seed(const gw_frame_block *in_force, const gw_frame_state *drawn, double own, double x,
                         double y) {
     const double distance = gw_sparse_seed_distance(in_force, x, y), grown = 1 + distance;

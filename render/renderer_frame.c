@@ -40,22 +40,20 @@ static gw_kernel_key key_of(const gw_renderer *renderer, const gw_frame_state *s
                      state->gaze_rule == GW_GAZE_SEED};
 }
 
-/* Copies the chunk's pixels that lie in the rectangle; slots are in Morton order within blocks. */
-static void place_pixels(const gw_frame_job *job, size_t block_count) {
-    const gw_rectangle *r = job->rectangle;
-    for (size_t slot = 0; slot < block_count * GW_BLOCK_PIXELS; ++slot) {
-        size_t block = slot / GW_BLOCK_PIXELS, lane = slot % GW_BLOCK_PIXELS;
-        size_t per_row = (size_t)job->block.chunk[2];
-        int64_t x = job->block.chunk[0] + (int64_t)(block % per_row) * GW_BLOCK_SIDE - r->x +
-                    (int64_t)((lane & 1) | (lane >> 1 & 2) | (lane >> 2 & 4));
-        int64_t y = job->block.chunk[1] + (int64_t)(block / per_row) * GW_BLOCK_SIDE - r->y +
-                    (int64_t)((lane >> 1 & 1) | (lane >> 2 & 2) | (lane >> 3 & 4));
-        if (x < 0 || y < 0 || x >= r->width || y >= r->height)
+/* Copies the chunk's pixels that lie in the rectangle. */
+static void place_pixels(const gw_frame_job *job) {
+    const int32_t *chunk = job->block.chunk, *window = job->block.window;
+    const int32_t wide = chunk[2] * GW_BLOCK_SIDE, high = chunk[3] / chunk[2] * GW_BLOCK_SIDE;
+    const int32_t first = chunk[0] > window[0] ? chunk[0] : window[0];
+    const int32_t end = chunk[0] + wide < window[2] ? chunk[0] + wide : window[2];
+    for (int32_t y = 0; y < high && first < end; ++y) {
+        const int32_t row = chunk[1] + y - window[1];
+        if (row < 0 || chunk[1] + y >= window[3])
             continue;
-        uint32_t pixel = job->renderer->host_pixels[slot];
-        uint8_t *out = job->rgba + ((size_t)y * r->width + (size_t)x) * 4;
-        for (int c = 0; c < 4; ++c)
-            out[c] = (uint8_t)(pixel >> (8 * c));
+        const uint8_t *from =
+            job->renderer->host_pixels + 4 * ((size_t)y * (size_t)wide + (size_t)(first - chunk[0]));
+        memcpy(job->rgba + 4 * ((size_t)row * job->rectangle->width + (size_t)(first - window[0])), from,
+               4 * (size_t)(end - first));
     }
 }
 
@@ -116,13 +114,13 @@ static gw_code render_chunk(gw_frame_job *job, size_t block_count, gw_error *err
                 sparse ? gw_frame_samples(job, pixel_slots, error) : render_pixels(job, pixel_slots, error);
     }
     if (!code)
-        code = gw_grow((void **)&renderer->host_pixels, &renderer->host_pixel_capacity, pixel_slots,
-                       sizeof(uint32_t), "pixels", error);
+        code = gw_grow((void **)&renderer->host_pixels, &renderer->host_pixel_capacity, pixel_slots * 4, 1,
+                       "pixels", error);
     if (!code)
         code = gw_gl_buffer_read(sparse ? &renderer->samples.pixels : &renderer->rays.pixels, 0,
                                  pixel_slots * sizeof(uint32_t), renderer->host_pixels, error);
     if (!code)
-        place_pixels(job, block_count);
+        place_pixels(job);
     return code;
 }
 

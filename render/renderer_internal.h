@@ -32,8 +32,13 @@ enum gw_binding {
     GW_BINDING_REFLECTION_NUMBERS = 19,
     GW_BINDING_MIRRORS = 20,
     GW_BINDING_GUIDES = 21,
-    GW_BINDING_BLOCK_LISTS = 22
+    GW_BINDING_CELL_COLORS = 22,
+    GW_BINDING_CELL_POINTS = 23,
+    GW_BINDING_CELL_MARKS = 24,
+    GW_BINDING_LISTS = 25
 };
+/* Texture units of what shaders/blend reads, beside those of gw_scene_buffers_bind(). */
+enum gw_unit { GW_UNIT_CELL_COLORS = 14, GW_UNIT_CELL_POINTS = 15, GW_UNIT_CELL_MARKS = 16 };
 /* Of the kernels of shaders/sample, before a batch is traced. */
 enum gw_list_binding {
     GW_LIST_BINDING_RATES = 0,
@@ -58,7 +63,8 @@ typedef struct gw_sample_buffers {
     gw_gl_buffer rates, counts, group_sums; /* of the list under way */
     gw_gl_buffer list;                      /* GW_LIST_ARGUMENTS words, then the arguments of each batch */
     gw_gl_buffer samples, blocks, sums, guides, pixels;
-    gw_gl_buffer block_lists; /* with guides: blend/block_lists.glsl */
+    gw_gl_buffer lists;                                /* of blend/lists.glsl */
+    gw_gl_buffer cell_colors, cell_points, cell_marks; /* of blend/cells.glsl; the last two with guides */
 } gw_sample_buffers;
 /* Shadow rays of what one dispatch has met; exist only if a frame cast shadows, only grow. */
 typedef struct gw_shadow_buffers {
@@ -120,7 +126,7 @@ struct gw_renderer {
     gw_gl_buffer totals, frame;
     gw_gl_buffer given_rays, found_hits; /* of gw_renderer_trace */
     gw_sample_buffers samples;
-    uint32_t *host_pixels; /* of one chunk */
+    uint8_t *host_pixels; /* of one chunk, 4 bytes each, row by row */
     size_t host_pixel_capacity;
     gw_accumulation accumulation;
     gw_accumulation other_accumulation; /* of the view that is not drawn now */
@@ -154,8 +160,9 @@ gw_code gw_renderer_kernel(gw_renderer *renderer, const char *name, const gw_ker
 size_t gw_renderer_chunk_slots(const gw_renderer *renderer);
 /* Samples and blocks a side that a chunk with sparse samples may hold: its lists, not its batches of rays. */
 enum { GW_MOST_SAMPLES = 1 << 22, GW_MOST_SPARSE_SIDE = 496 };
-/* Bytes of one sample in the lists, and of one pixel. */
-enum { GW_SAMPLE_BYTES = 4 + 16 + 16, GW_SAMPLE_PIXEL_BYTES = 4 };
+/* Bytes of one sample in the lists, and of one pixel: with a third of a cell and half a word of the work
+ * lists. */
+enum { GW_SAMPLE_BYTES = 4 + 16 + 16, GW_SAMPLE_PIXEL_BYTES = 4 + 14 + 2 };
 /* With more lights than that which cast shadows, chunks are smaller in proportion. */
 enum { GW_CHUNK_LIGHTS = 4 };
 

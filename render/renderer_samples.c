@@ -9,11 +9,23 @@
 #include <string.h>
 
 enum { PAIR_SIDE = 16, RIM_BLOCKS = 4, GROUP = 64 };
+/* Lists of blend/lists.glsl; of regions and edges one for each rate from 1 on. */
+enum {
+    LIST_OWN,
+    LIST_SOFT,
+    LIST_MIXED,
+    LIST_REGIONS,
+    LIST_EDGES = LIST_REGIONS + 4,
+    LIST_COUNT = LIST_EDGES + 4,
+    LISTS_AT = 64
+};
 
 static gw_gl_buffer *buffer_of(gw_sample_buffers *buffers, size_t i) {
-    gw_gl_buffer *const all[] = {&buffers->rates,  &buffers->counts,     &buffers->group_sums, &buffers->list,
-                                 &buffers->guides, &buffers->samples,    &buffers->blocks,     &buffers->sums,
-                                 &buffers->pixels, &buffers->block_lists};
+    gw_gl_buffer *const all[] = {&buffers->rates,     &buffers->counts,      &buffers->group_sums,
+                                 &buffers->list,      &buffers->guides,      &buffers->samples,
+                                 &buffers->blocks,    &buffers->sums,        &buffers->pixels,
+                                 &buffers->lists,     &buffers->cell_colors, &buffers->cell_points,
+                                 &buffers->cell_marks};
     return i < sizeof all / sizeof all[0] ? all[i] : NULL;
 }
 
@@ -69,17 +81,22 @@ static size_t most_batches(const gw_frame_job *job) {
     return (most_samples(&job->block) + batch_slots(job) - 1) / batch_slots(job);
 }
 
-/* Makes the buffer at least that large. */
-static gw_code reserve(gw_renderer *renderer, gw_gl_buffer *buffer, const char *name, size_t bytes,
-                       GLuint binding, gw_error *error) {
+/* Makes the buffer at least that large; format: as gw_gl_buffer_create(). */
+static gw_code reserve_texels(gw_renderer *renderer, gw_gl_buffer *buffer, const char *name, size_t bytes,
+                              GLenum format, GLuint binding, gw_error *error) {
     gw_code code = GW_OK;
     if (bytes > buffer->size) {
         gw_gl_buffer_finish(buffer);
-        code = gw_gl_buffer_create(renderer->device, name, bytes, NULL, 0, buffer, error);
+        code = gw_gl_buffer_create(renderer->device, name, bytes, NULL, format, buffer, error);
     }
     if (!code)
         gw_gl_buffer_bind(buffer, binding);
     return code;
+}
+
+static gw_code reserve(gw_renderer *renderer, gw_gl_buffer *buffer, const char *name, size_t bytes,
+                       GLuint binding, gw_error *error) {
+    return reserve_texels(renderer, buffer, name, bytes, 0, binding, error);
 }
 
 static gw_code reserve_lists(const gw_frame_job *job, gw_error *error) {
@@ -187,8 +204,8 @@ static gw_code bind_batch(gw_frame_job *job, size_t first, gw_error *error) {
     return GW_OK;
 }
 
-/* The first batch is dispatched before anybody knows how many there are. */
-static gw_code trace_batches(gw_frame_job *job, gw_error *error) {
+/* The first batch is dispatched before anybody knows how many there are. groups: of 64 samples. */
+static gw_code trace_batches(gw_frame_job *job, size_t *groups, gw_error *error) {
     uint32_t words[GW_LIST_ARGUMENTS] = {0};
     size_t slots = batch_slots(job), first = 0;
     gw_code code = GW_OK;
@@ -208,70 +225,147 @@ static gw_code trace_batches(gw_frame_job *job, gw_error *error) {
         first += slots;
     } while (!code && first < (size_t)words[1] * GROUP);
     job->counters.rays += words[0];
+    *groups = words[1];
     return code;
 }
 
-/* The kernel that makes pixels; edges: with silhouettes; listed: of blocks in a list. */
-static gw_code pixel_program(const gw_frame_job *job, int edges, int listed, GLuint *out, gw_error *error) {
+/* Kernels of shaders/blend: their defines beside those that are given. */
+static gw_code blend_program(const gw_frame_job *job, const char *name, const char *more, GLuint *out,
+                             gw_error *error) {
     const int gazed = job->block.counts[0] > 0;
-    char defines[192];
-    snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s",
+    char defines[256];
+    snprintf(defines, sizeof defines, "%s%s%s%s%s%s",
              job->key.features & GW_FEATURE_ACCUMULATE ? "#define ACCUMULATE 1\n" : "",
              gazed ? "#define GAZE 1\n" : "", job->key.gaze_seed ? "#define GAZE_SEED 1\n" : "",
-             gazed && job->state->rate_blend ? "#define RATE_BLEND 1\n" : "",
              job->state->reconstruction >= GW_RECONSTRUCTION_CUBIC ? "#define CUBIC 1\n" : "",
-             edges ? "#define EDGE_AWARE 1\n" : "", listed ? "#define LISTED 1\n" : "");
-    return gw_gl_program(job->renderer->device, "blend/reconstruct.comp", defines, out, error);
+             job->key.guides ? "#define EDGE_AWARE 1\n" : "", more);
+    return gw_gl_program(job->renderer->device, name, defines, out, error);
 }
 
-/* Lists the blocks in which there are edges and those in which there are none, and makes the pixels of each
- * list by its own kernel. */
-static gw_code reconstruct_listed(gw_frame_job *job, size_t blocks, gw_error *error) {
-    static const uint32_t heads[2][4] = {{0, 0, 1, 0}, {0, 0, 1, 0}};
+/* log2 of the side of the largest squares that the frame may have. */
+static uint32_t coarsest_rate(const gw_frame_job *job) {
+    return job->block.counts[0] > 0 && !job->key.gaze_seed ? job->block.sampling[1] : 0;
+}
+
+static int softens(const gw_frame_job *job) {
+    return job->block.counts[0] > 0 && job->state->rate_blend;
+}
+
+/* Cells of the grids of all rates, and words of the lists: as blend/cells.glsl and blend/lists.glsl place
+ * them. */
+static size_t most_cells(const gw_frame_job *job) {
+    const size_t blocks = (size_t)job->block.list[3];
+    static const size_t quarters[] = {0, 64, 80, 84, 85};
+    return blocks * quarters[coarsest_rate(job)] / 4;
+}
+
+static size_t list_words(const gw_frame_job *job) {
+    static const size_t edges[] = {0, 16, 20, 21, 22};
+    const size_t grids = 10 + (job->key.guides ? edges[coarsest_rate(job)] : 0);
+    return LISTS_AT + grids * (size_t)job->block.list[3];
+}
+
+static gw_code reserve_blending(const gw_frame_job *job, size_t pixel_slots, gw_error *error) {
+    static const uint32_t heads[LIST_COUNT][4] = {{0, 0, 1, 0}, {0, 0, 1, 0}, {0, 0, 1, 0}, {0, 0, 1, 0},
+                                                  {0, 0, 1, 0}, {0, 0, 1, 0}, {0, 0, 1, 0}, {0, 0, 1, 0},
+                                                  {0, 0, 1, 0}, {0, 0, 1, 0}, {0, 0, 1, 0}};
     gw_renderer *renderer = job->renderer;
-    gw_gl_buffer *lists = &renderer->samples.block_lists;
-    GLuint list;
-    gw_code code = gw_gl_program(renderer->device, "blend/edge_blocks.comp", NULL, &list, error);
+    gw_sample_buffers *to = &renderer->samples;
+    const size_t cells = most_cells(job), met = job->key.guides ? cells : 0;
+    gw_code code = reserve(renderer, &to->pixels, "pixels of samples", pixel_slots * sizeof(uint32_t),
+                           GW_BINDING_PIXELS, error);
     if (!code)
-        code = reserve(renderer, lists, "lists of blocks", sizeof heads + blocks * sizeof(uint32_t),
-                       GW_BINDING_BLOCK_LISTS, error);
+        code = reserve(renderer, &to->lists, "lists of blocks", list_words(job) * sizeof(uint32_t),
+                       GW_BINDING_LISTS, error);
     if (!code)
-        code = gw_gl_buffer_write(lists, 0, sizeof heads, heads, error);
-    if (!code)
-        code = gw_gl_dispatch(renderer->device, list, blocks, error);
-    for (int edges = 0; edges < 2 && !code; ++edges) {
-        GLuint program;
-        code = pixel_program(job, edges, 1, &program, error);
-        if (!code)
-            code = gw_gl_dispatch_indirect(renderer->device, program, lists, (size_t)edges * sizeof heads[0],
-                                           error);
+        code = gw_gl_buffer_write(&to->lists, 0, sizeof heads, heads, error);
+    if (!code && cells > 0)
+        code = reserve_texels(renderer, &to->cell_colors, "cells of samples", cells * 16, GL_RGBA32F,
+                              GW_BINDING_CELL_COLORS, error);
+    if (!code && met > 0)
+        code = reserve_texels(renderer, &to->cell_points, "points of cells", met * 16, GL_RGBA32F,
+                              GW_BINDING_CELL_POINTS, error);
+    if (!code && met > 0)
+        code = reserve_texels(renderer, &to->cell_marks, "marks of cells", met * 8, GL_RG32UI,
+                              GW_BINDING_CELL_MARKS, error);
+    return code;
+}
+
+static gw_code dispatch_list(const gw_frame_job *job, GLuint program, uint32_t list, gw_error *error) {
+    return gw_gl_dispatch_indirect(job->renderer->device, program, &job->renderer->samples.lists,
+                                   (size_t)list * 4 * sizeof(uint32_t), error);
+}
+
+static gw_code draw_list(const gw_frame_job *job, const char *name, const char *defines, uint32_t list,
+                         gw_error *error) {
+    GLuint program;
+    gw_code code = blend_program(job, name, defines, &program, error);
+    return code ? code : dispatch_list(job, program, list, error);
+}
+
+/* Patches of a rate: those without edges, then those that the first kernel found to have some. */
+static gw_code draw_patches(const gw_frame_job *job, uint32_t rate, gw_error *error) {
+    const char *soft = softens(job) && rate < coarsest_rate(job) ? "#define RATE_BLEND 1\n" : "";
+    char defines[64];
+    GLuint program;
+    snprintf(defines, sizeof defines, "#define RATE %u\n%s", rate, soft);
+    gw_code code = draw_list(job, "blend/patches.comp", defines, LIST_REGIONS + rate - 1, error);
+    if (code || !job->key.guides)
+        return code;
+    code = blend_program(job, "blend/edge_patches.comp", soft, &program, error);
+    if (!code) {
+        glProgramUniform1ui(program, 0, rate);
+        code = dispatch_list(job, program, LIST_EDGES + rate - 1, error);
     }
     return code;
 }
 
-static gw_code reconstruct(gw_frame_job *job, size_t pixel_slots, gw_error *error) {
-    gw_renderer *renderer = job->renderer;
-    const size_t blocks = pixel_slots / GW_BLOCK_PIXELS;
+/* groups: of 64 samples. */
+static gw_code fill_cells(const gw_frame_job *job, size_t groups, gw_error *error) {
+    const char *soft = softens(job) ? "#define RATE_BLEND 1\n" : "";
     GLuint program;
-    gw_gl_buffer_bind(&renderer->samples.sums, GW_BINDING_SUMS);
-    if (job->key.guides)
-        gw_gl_buffer_bind(&renderer->samples.guides, GW_BINDING_GUIDES);
-    gw_code code = reserve(renderer, &renderer->samples.pixels, "pixels of samples",
-                           pixel_slots * sizeof(uint32_t), GW_BINDING_PIXELS, error);
-    if (!code && job->key.guides)
-        return reconstruct_listed(job, blocks, error);
+    gw_code code = blend_program(job, "blend/sample_cells.comp", soft, &program, error);
     if (!code)
-        code = pixel_program(job, 0, 0, &program, error);
-    return code ? code : gw_gl_dispatch(renderer->device, program, blocks, error);
+        code = gw_gl_dispatch(job->renderer->device, program, groups, error);
+    return code ? code : draw_list(job, "blend/mixed_cells.comp", soft, LIST_MIXED, error);
+}
+
+static gw_code reconstruct(gw_frame_job *job, size_t pixel_slots, size_t groups, gw_error *error) {
+    gw_renderer *renderer = job->renderer;
+    gw_sample_buffers *samples = &renderer->samples;
+    const uint32_t coarsest = coarsest_rate(job);
+    GLuint list;
+    gw_gl_buffer_bind(&samples->samples, GW_BINDING_SAMPLES);
+    gw_gl_buffer_bind(&samples->sums, GW_BINDING_SUMS);
+    if (job->key.guides)
+        gw_gl_buffer_bind(&samples->guides, GW_BINDING_GUIDES);
+    gw_code code = reserve_blending(job, pixel_slots, error);
+    if (!code)
+        code = gw_gl_program(renderer->device, "blend/list_regions.comp",
+                             coarsest == 4 ? "#define WIDE_SQUARES 1\n" : NULL, &list, error);
+    if (!code)
+        code = gw_gl_dispatch(renderer->device, list, (uint64_t)job->block.list[3] / GROUP, error);
+    if (!code)
+        code = draw_list(job, "blend/fine_blocks.comp", "", LIST_OWN, error);
+    if (!code && softens(job))
+        code = draw_list(job, "blend/fine_blocks.comp", "#define SOFT 1\n", LIST_SOFT, error);
+    if (!code && coarsest > 0)
+        code = fill_cells(job, groups, error);
+    gw_gl_texture_bind(&samples->cell_colors, GW_UNIT_CELL_COLORS);
+    gw_gl_texture_bind(&samples->cell_points, GW_UNIT_CELL_POINTS);
+    gw_gl_texture_bind(&samples->cell_marks, GW_UNIT_CELL_MARKS);
+    for (uint32_t rate = 1; rate <= coarsest && !code; ++rate)
+        code = draw_patches(job, rate, error);
+    return code;
 }
 
 /* What comes before it is waited for, or its time would be counted here. */
-static gw_code reconstruct_timed(gw_frame_job *job, size_t pixel_slots, gw_error *error) {
+static gw_code reconstruct_timed(gw_frame_job *job, size_t pixel_slots, size_t groups, gw_error *error) {
     gw_renderer *renderer = job->renderer;
     gw_code code = gw_gl_finish(renderer->device, error);
     const int64_t begin = gw_now_ns();
     if (!code)
-        code = reconstruct(job, pixel_slots, error);
+        code = reconstruct(job, pixel_slots, groups, error);
     if (!code)
         code = gw_gl_finish(renderer->device, error);
     renderer->blend_ns += gw_now_ns() - begin;
@@ -279,9 +373,10 @@ static gw_code reconstruct_timed(gw_frame_job *job, size_t pixel_slots, gw_error
 }
 
 gw_code gw_frame_samples(gw_frame_job *job, size_t pixel_slots, gw_error *error) {
-    gw_code code = trace_batches(job, error);
+    size_t groups = 0;
+    gw_code code = trace_batches(job, &groups, error);
     if (!code)
-        code = job->renderer->time_blending ? reconstruct_timed(job, pixel_slots, error)
-                                            : reconstruct(job, pixel_slots, error);
+        code = job->renderer->time_blending ? reconstruct_timed(job, pixel_slots, groups, error)
+                                            : reconstruct(job, pixel_slots, groups, error);
     return code;
 }

@@ -1,23 +1,102 @@
 // Silhouettes and creases between samples, so that they are neither smeared over a square of pixels nor stepped along it. Samples
-// know what they met. Where samples round a pixel lie on several surfaces, the pixel's own ray is tested against the triangles
-// of the nearest four - no traversal - and what it meets decides, if nothing that may lie in front is left open; where it misses
+// know what they met. Where the four cells round a patch lie on several surfaces, each pixel's own ray is tested against the triangles
+// of those four - no traversal - and what it meets decides, if nothing that may lie in front is left open; where it misses
 // them, what is not one of those; else the surface that has the majority of the four. Then only samples of that surface count. Where everything belongs together, and where
 // nothing does (foliage), nothing changes.
-#include "trace/triangle.glsl"
+#include "trace/fetch.glsl"
 #include "blend/guides.glsl"
 
-// How many of the sixteen samples round the pixel met the same triangle as a sample.
-float count_of(int at, int corner) {
-    uint id = id_of(at);
-    float count = 0.0;
-    for (int j = 0; j < 4; ++j)
-        for (int i = 0; i < 4; ++i)
-            count += id_of(corner + j * cell_count.x + i) == id ? 1.0 : 0.0;
-    return count;
+// A triangle seen along the ray through the patch's middle: corners less the eye, turned so that the ray's largest component is the
+// last and sheared so that it is the only one, as in trace/triangle.glsl. Edge functions and plane are then those of a ray
+// (x, y, 1): dot(edge, ray) and dot(offset / normal).
+struct Patch_triangle {
+    vec3 edges[3], normal;
+    float offset, nearest, farthest; // of t
+};
+
+// What the four cells round the patch met.
+Met met[4];
+uint ids[16];           // of all sixteen
+mat4 alike, level;      // likeness of the four, by depth and normal, by depth alone
+float pairs;            // how many of the six are on one surface
+vec4 counts;            // how many of the sixteen met the same triangle as each of the four
+bvec4 tested;           // each of the four met a triangle that can be tested
+Patch_triangle cut[4];
+int largest_axis;
+vec2 slopes;
+
+vec3 turned(vec3 v) {
+    return largest_axis == 0 ? v.yzx : largest_axis == 1 ? v.zxy : v;
+}
+
+void aim(vec3 direction) {
+    vec3 size = abs(direction);
+    largest_axis = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
+    vec3 q = turned(direction);
+    precise vec2 slope = q.xy / q.z;
+    slopes = slope;
+}
+
+vec3 sheared(vec3 v) {
+    vec3 q = turned(v);
+    precise vec2 across = q.xy - slopes * q.z;
+    return vec3(across, q.z);
+}
+
+vec3 cross_precise(vec3 a, vec3 b) {
+    precise vec3 product = vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+    return product;
+}
+
+float dot_precise(vec3 a, vec3 b) {
+    precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
+    return sum;
 }
 
 bool can_be_tested(uint id) {
     return (id & GW_FRAGMENT_VOXEL) == 0u && (TRIANGLE(id, 0).w & GW_TRIANGLE_ALPHA) == 0u;
+}
+
+Patch_triangle patch_triangle(uint id) {
+    vec3 corner[3];
+    for (int i = 0; i < 3; ++i) {
+        precise vec3 from_eye = uintBitsToFloat(TRIANGLE(id, i).xyz) - frame.eye.xyz;
+        corner[i] = sheared(from_eye);
+    }
+    Patch_triangle triangle;
+    for (int i = 0; i < 3; ++i)
+        triangle.edges[i] = cross_precise(corner[i], corner[(i + 1) % 3]);
+    precise vec3 ab = corner[1] - corner[0], ac = corner[2] - corner[0];
+    triangle.normal = cross_precise(ab, ac);
+    triangle.offset = dot_precise(corner[0], triangle.normal);
+    triangle.nearest = min(corner[0].z, min(corner[1].z, corner[2].z));
+    triangle.farthest = max(corner[0].z, max(corner[1].z, corner[2].z));
+    return triangle;
+}
+
+// cell: the first of the four; direction: through the patch's middle.
+void load_edges(ivec2 cell, uint rate, vec3 direction) {
+    uint corner = number_of_cell(cell - 1, rate), row = cells_per_row(rate);
+    for (int k = 0; k < 16; ++k)
+        ids[k] = CELL_MARK(corner + uint(k >> 2) * row + uint(k & 3)).x;
+    aim(direction);
+    for (int k = 0; k < 4; ++k) {
+        met[k] = met_at(corner + uint(1 + (k >> 1)) * row + uint(1 + (k & 1)));
+        counts[k] = 0.0;
+        for (int j = 0; j < 16; ++j)
+            counts[k] += ids[j] == met[k].id ? 1.0 : 0.0;
+        tested[k] = can_be_tested(met[k].id);
+        cut[k] = patch_triangle(tested[k] ? met[k].id : 0u);
+    }
+    alike = level = mat4(1.0);
+    pairs = 0.0;
+    for (int k = 0; k < 3; ++k)
+        for (int l = k + 1; l < 4; ++l) {
+            vec2 like = likeness(met[k], met[l]);
+            alike[k][l] = alike[l][k] = like.x;
+            level[k][l] = level[l][k] = like.y;
+            pairs += like.y;
+        }
 }
 
 // What a pixel's ray meets of the triangles of the four samples round it.
@@ -27,62 +106,54 @@ struct Test_of_samples {
     vec4 missed; // 1: it does not meet any, and this one's triangle is large enough to say that its surface is not there
 };
 
+// t at which the sheared ray meets the triangle of one of the four, 1e30 where it does not.
+float meet(int k, vec3 ray) {
+    Patch_triangle triangle = cut[k];
+    vec3 edges = vec3(dot_precise(triangle.edges[0], ray), dot_precise(triangle.edges[1], ray), dot_precise(triangle.edges[2], ray));
+    bool inside = all(greaterThanEqual(edges, vec3(0.0))) || all(lessThanEqual(edges, vec3(0.0)));
+    inside = inside && any(notEqual(edges, vec3(0.0)));
+    precise float depth = triangle.offset / dot_precise(triangle.normal, ray) * ray.z;
+    // Kept within the depths of the corners; not-a-number (edge-on) becomes the nearest.
+    depth = depth >= triangle.nearest ? min(depth, triangle.farthest) : triangle.nearest;
+    precise float t = depth / ray.z;
+    return tested[k] && inside ? t : 1e30;
+}
+
 // Triangles that only one of the sixteen samples met are grain, no silhouettes; three say where a surface ends.
-Test_of_samples test_samples(ivec4 near, mat4 alike, int corner, vec3 direction) {
-    set_ray(frame.eye.xyz, direction);
-    hit_t = 1e30;
-    hit_triangle = GW_NO_TRIANGLE;
-    floor_t = 0.0;
-    floor_triangle = GW_NO_TRIANGLE;
-    bvec4 tested;
+Test_of_samples test_samples(vec3 direction) {
+    vec3 ray = sheared(direction);
+    float nearest = 1e30;
+    Test_of_samples result = Test_of_samples(-1, vec4(0.0));
     for (int k = 0; k < 4; ++k) {
-        uint id = id_of(near[k]);
-        tested[k] = can_be_tested(id);
-        if (tested[k])
-            test_triangle(id);
+        float t = meet(k, ray);
+        result.met = t < nearest ? k : result.met;
+        nearest = min(t, nearest);
     }
-    bool hit = hit_triangle != GW_NO_TRIANGLE;
-    int met = -1;
-    for (int k = 0; k < 4; ++k)
-        met = hit && id_of(near[k]) == (hit_triangle & ~GW_HIT_BACK) ? k : met;
-    Test_of_samples result;
-    bool open = false;
+    bool hit = result.met >= 0, open = false;
+    vec4 like = alike[max(result.met, 0)];
     for (int k = 0; k < 4; ++k) {
-        float t = points[near[k]].w, count = count_of(near[k], corner);
-        bool nearer = t > 0.0 && t < hit_t && alike[max(met, 0)][k] < 0.5;
-        bool telling = tested[k] && count >= 3.0;
-        open = open || (nearer && !telling) || (k == met && count < 2.0);
-#ifdef MISSES_SAY_NOTHING // the naive variant, for the test that shows why
-        result.missed[k] = 0.0;
-#else
+        float t = met[k].point.w;
+        bool nearer = t > 0.0 && t < nearest && like[k] < 0.5;
+        bool telling = tested[k] && counts[k] >= 3.0;
+        open = open || (nearer && !telling) || (k == result.met && counts[k] < 2.0);
+#ifndef MISSES_SAY_NOTHING // the naive variant, for the test that shows why
         result.missed[k] = telling && !hit ? 1.0 : 0.0;
 #endif
     }
-    result.met = open ? -1 : met;
+    result.met = open ? -1 : result.met;
     return result;
 }
 
-// color: without edges; place: of the pixel's centre, wall-global px.
-vec3 cut_at_edges(vec3 color, int corner, vec2 share, vec2 place) {
-    int at = corner + cell_count.x + 1;
-    ivec4 near = ivec4(at, at + 1, at + cell_count.x, at + cell_count.x + 1);
+// color: without edges; share: the pixel's place in the patch; direction: its ray.
+vec3 cut_at_edges(vec3 color, vec2 share, vec3 direction) {
     precise vec4 tent = vec4((1.0 - share.x) * (1.0 - share.y), share.x * (1.0 - share.y), (1.0 - share.x) * share.y,
                              share.x * share.y);
-    // apart: how much of the pixel lies between samples of two surfaces; pairs: how many of the six are on one. Without a
-    // triangle that decides, creases are no edges.
-    mat4 alike = mat4(1.0), level = mat4(1.0);
+    // apart: how much of the pixel lies between samples of two surfaces. Without a triangle that decides, creases are no edges.
     precise vec2 apart = vec2(0.0);
-    precise float pairs = 0.0;
     for (int k = 0; k < 3; ++k)
-        for (int l = k + 1; l < 4; ++l) {
-            vec2 like = likeness(near[k], near[l]);
-            alike[k][l] = alike[l][k] = like.x;
-            level[k][l] = level[l][k] = like.y;
-            apart += tent[k] * tent[l] * (1.0 - like);
-            pairs += like.y;
-        }
-    precise vec3 direction = frame.corner.xyz + frame.step_x.xyz * place.x + frame.step_y.xyz * place.y;
-    Test_of_samples test = test_samples(near, alike, corner, direction);
+        for (int l = k + 1; l < 4; ++l)
+            apart += tent[k] * tent[l] * (1.0 - vec2(alike[k][l], level[k][l]));
+    Test_of_samples test = test_samples(direction);
     // What is left when surfaces that are not there go: a silhouette must lose as many pixels as it gains.
     vec4 left = tent * (1.0 - test.missed), gone = tent * test.missed;
     precise float parted = 0.0;
@@ -94,8 +165,7 @@ vec3 cut_at_edges(vec3 color, int corner, vec2 share, vec2 place) {
     precise vec4 weights = by_miss ? left : test.met >= 0 ? alike[max(test.met, 0)] * (tent + 1e-4) : tent * square * square;
     float divided = by_miss ? parted : test.met >= 0 ? apart.x : apart.y;
     float borne_out = decided ? 1.0 : clamp(pairs - 1.0, 0.0, 1.0);
-    precise vec3 sum = weights.x * colors[near.x] + weights.y * colors[near.y];
-    sum += weights.z * colors[near.z] + weights.w * colors[near.w];
-    precise vec3 cut = sum / max(weights.x + weights.y + weights.z + weights.w, 1e-20);
-    return mix(color, cut, clamp(16.0 * divided, 0.0, 1.0) * borne_out);
+    precise vec3 kept = weighted(weights, near_cells[5].rgb, near_cells[6].rgb, near_cells[9].rgb, near_cells[10].rgb) /
+                        max(weights.x + weights.y + weights.z + weights.w, 1e-20);
+    return mix(color, kept, clamp(16.0 * divided, 0.0, 1.0) * borne_out);
 }

@@ -1,4 +1,4 @@
-// Samples by the pixel or grid cell that they stand for. Places are px from the list's first.
+// Samples by the pixel that they stand for. Places are px from the list's first.
 layout(std430, binding = 7) readonly buffer Sums { vec4 sums[]; };
 layout(std430, binding = 10) readonly buffer Blocks { uint blocks[]; }; // of the list's grid
 #ifdef EDGE_AWARE
@@ -27,9 +27,7 @@ uint slot_of(ivec2 pixel, uint block) {
     return GW_BLOCK_FIRST(block) + morton(uvec2(pixel & 7) >> GW_BLOCK_RATE(block)) * rays_of(block);
 }
 
-// The sample, or the mean of the rays of a square.
-vec3 sample_at(ivec2 pixel) {
-    uint block = block_of(pixel), rays = rays_of(block), first = slot_of(pixel, block);
+vec3 mean_of_rays(uint first, uint rays) {
     precise vec3 sum = sums[first].rgb;
     for (uint i = 1u; i < rays; ++i)
         sum += sums[first + i].rgb;
@@ -37,15 +35,16 @@ vec3 sample_at(ivec2 pixel) {
     return mean;
 }
 
-// Mean over the cell's quarters: four samples where the block there has the next finer rate, one and the same where it has the
-// cell's or a coarser one.
-vec3 color_of_cell(ivec2 cell, int rate) {
-    ivec2 first = cell << rate;
-    int half_side = (1 << rate) >> 1;
-    if (rate == 0)
-        return sample_at(first);
-    first += half_side >> 1;
-    precise vec3 sum = sample_at(first) + sample_at(first + ivec2(half_side, 0));
-    sum += sample_at(first + ivec2(0, half_side)) + sample_at(first + half_side);
-    return sum * 0.25;
+// The sample, or the mean of the rays of a square.
+vec3 sample_at(ivec2 pixel) {
+    uint block = block_of(pixel);
+    return mean_of_rays(slot_of(pixel, block), rays_of(block));
+}
+
+uvec4 guide_of(uint slot) {
+#ifdef EDGE_AWARE
+    return guides[slot];
+#else
+    return uvec4(0u);
+#endif
 }

@@ -1,17 +1,19 @@
 // A pixel's linear colour to the picture. With ACCUMULATE it is one sample of a still view: it is added to those before it, in
 // their order, and the picture shows their mean.
 #include "common/color.glsl"
-layout(std430, binding = 8) writeonly buffer Pixels { uint pixels[]; };
+layout(std430, binding = 8) writeonly buffer Pixels { uint pixels[]; }; // the chunk's, row by row
 #ifdef ACCUMULATE
-layout(std430, binding = 14) buffer Accumulated { vec4 accumulated[]; };
+layout(std430, binding = 14) buffer Accumulated { vec4 accumulated[]; }; // likewise
 #endif
 
-void store_pixel(uint slot, vec3 color) {
+// place: in the chunk.
+void store_pixel(ivec2 place, vec3 color) {
+    uint at = uint(place.y * frame.chunk.z * 8 + place.x);
     precise vec3 mean = color;
 #ifdef ACCUMULATE
-    precise vec3 sum = frame.accumulation.w > 0.0 ? accumulated[slot].rgb + color : color;
-    accumulated[slot] = vec4(sum, 1.0);
+    precise vec3 sum = frame.accumulation.w > 0.0 ? accumulated[at].rgb + color : color;
+    accumulated[at] = vec4(sum, 1.0);
     mean = sum * frame.accumulation.z;
 #endif
-    pixels[slot] = encode_pixel(mean);
+    pixels[at] = encode_pixel(mean);
 }

@@ -163,8 +163,8 @@ void main() {
         color = frame.background.rgb;
     }
 #if defined(SPARSE) || defined(REFLECTED)
-    sums[slot] = vec4(color, 1.0); // blend/reconstruct.comp makes pixels of it
+    sums[slot] = vec4(color, 1.0); // shaders/blend makes pixels of it
 #else
-    store_pixel(slot, color);
+    store_pixel(square.first - frame.chunk.xy, color);
 #endif
 }

@@ -12,6 +12,10 @@ int64_t gw_now_ns(void) {
     return read_clock(CLOCK_MONOTONIC);
 }
 
+int64_t gw_unix_ns(void) {
+    return read_clock(CLOCK_REALTIME);
+}
+
 int64_t gw_processor_ns(void) {
     return read_clock(CLOCK_PROCESS_CPUTIME_ID);
 }

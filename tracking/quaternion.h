@@ -42,4 +42,19 @@ static inline int gw_turn_normalise(double q[4]) {
     return 1;
 }
 
+/* The shortest turn of (0, 0, -1), where a sensor that tells a gaze looks, onto a unit direction. */
+static inline void gw_turn_onto(const double direction[3], double q[4]) {
+    const double w = 1 - direction[2]; /* the half-way vector, not yet of length 1 */
+    if (w < 1e-12) {                   /* straight back: a half turn about y */
+        q[0] = q[2] = q[3] = 0;
+        q[1] = 1;
+        return;
+    }
+    const double length = sqrt(direction[0] * direction[0] + direction[1] * direction[1] + w * w);
+    q[0] = direction[1] / length;
+    q[1] = -direction[0] / length;
+    q[2] = 0;
+    q[3] = w / length;
+}
+
 #endif

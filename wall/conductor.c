@@ -53,6 +53,11 @@ gw_code gw_conductor_init(gw_conductor *conductor, struct gw_rank *rank, int arg
         code = gw_pilot_open(rank, &conductor->pilot, error);
     if (!code)
         code = gw_conductor_open_pictures(conductor, rank, error);
+    if (!code && options->serve) {
+        code = gw_serve_open(options->serve, &conductor->serve, error);
+        if (!code)
+            gw_log_write(&rank->line.log, GW_LOG_INFO, "serving %s", gw_serve_name(conductor->serve));
+    }
     if (!code)
         code = open_gate(conductor, rank, error);
     gw_report_settings(conductor->report, &options->draw.settings);
@@ -196,6 +201,8 @@ static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_
     int64_t begin = gw_now_ns();
     if (code)
         return code;
+    if (conductor->serve)
+        gw_serve_frame(conductor->serve, &release.state);
     gw_gate_release(conductor->gate, &release);
     gw_rank_time(rank, GW_LANE_GATE, begin);
     present(conductor, rank);

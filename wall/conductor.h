@@ -11,6 +11,7 @@
 #include "wall/gate.h"
 #include "wall/overlay.h"
 #include "wall/pilot.h"
+#include "wall/serve.h"
 #include "wall/site_watch.h"
 #include "wall/video.h"
 
@@ -52,6 +53,7 @@ typedef struct gw_conductor {
     char *scene_line, *octree_line; /* for the summary */
     gw_gate *gate;
     gw_pilot *pilot;                  /* NULL when nobody steers */
+    gw_serve *serve;                  /* of --serve, or NULL */
     FILE *rows;                       /* frames.csv, or NULL */
     gw_site_watch watch;              /* the site file */
     uint32_t reloads;                 /* how often another site was taken over: its number */

@@ -215,6 +215,10 @@ gw_code gw_conductor_finish(gw_conductor *conductor, struct gw_rank *rank, gw_er
         code = gw_states_save(options->save_states, conductor->states, conductor->frame_count, error);
     json_object_set_new(conductor->report, "site_reloads", json_integer(conductor->reloads));
     report_gate(conductor, rank);
+    if (conductor->serve)
+        gw_report_served(conductor->report, gw_serve_name(conductor->serve),
+                         gw_serve_count(conductor->serve));
+    gw_serve_close(&conductor->serve);
     gw_report_frames(conductor->report, conductor->milliseconds, known_frames(conductor),
                      conductor->frame_count);
     gw_report_ended(conductor->report, gw_link_stop(&rank->line));

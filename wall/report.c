@@ -219,6 +219,20 @@ void gw_report_track(json_t *report, const gw_track *track) {
                                   "out_of_order", count(c->out_of_order)));
 }
 
+void gw_report_served(json_t *report, const char *name, gw_server_counters served) {
+    json_t *tracking = json_object_get(report, "tracking");
+    if (!json_is_object(tracking)) {
+        tracking = json_object();
+        json_object_set_new(report, "tracking", tracking);
+    }
+    json_object_set_new(tracking, "served",
+                        json_pack("{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "as", name, "clients",
+                                  count(served.clients), "messages", count(served.messages), "unsendable",
+                                  count(served.unsendable), "refused", count(served.refused), "slow",
+                                  count(served.slow), "unreachable", count(served.unreachable), "ignored",
+                                  count(served.ignored), "malformed", count(served.malformed)));
+}
+
 void gw_report_tiles(json_t *report, const gw_layout *layout, const gw_tile_record *records) {
     json_t *tiles = json_array();
     for (uint32_t i = 0; i < layout->tile_count; i++) {

@@ -12,6 +12,7 @@
 #include "build/scene.h"
 #include "render/predicted_error.h"
 #include "render/renderer.h"
+#include "tracking/server.h"
 #include "tracking/track.h"
 #include "wall/build_together.h"
 #include "wall/layout.h"
@@ -41,6 +42,8 @@ void gw_report_counters(json_t *report, const gw_counters *counters);
 void gw_report_predicted_error(json_t *report, const gw_predicted_error *predicted,
                                const gw_frame_state *last, json_t *budget);
 void gw_report_track(json_t *report, const gw_track *track);
+/* Into tracking: what became of --serve. */
+void gw_report_served(json_t *report, const char *name, gw_server_counters served);
 
 /* What became of a tile (wall/gate.h). */
 typedef struct gw_tile_record {

@@ -1,6 +1,7 @@
 #include "wall/sim_options.h"
 
 #include "base/suggest.h"
+#include "tracking/server.h"
 #include "wall/stereo.h"
 
 #include <errno.h>
@@ -130,6 +131,7 @@ enum {
     KEY_STEREO,
     KEY_EYE_DISTANCE,
     KEY_TRACK,
+    KEY_SERVE,
     KEY_PATH,
     KEY_STATES,
     KEY_SAVE_STATES,
@@ -197,6 +199,10 @@ static const struct argp_option sim_options[] = {
      "0 to 3600 s from frame to frame; default: the frames spread over the track", 2},
     {"states", KEY_STATES, "FILE", 0, "repeat recorded frame states instead of a track", 2},
     {"save-states", KEY_SAVE_STATES, "FILE", 0, "record the frame states, one per frame", 2},
+    {"serve", KEY_SERVE, "PROTOCOL", 0,
+     "eyes and gazes of every frame for other programs: vrpn[:PORT] (device Tracker0; default 3883), "
+     "dtrack[:[ADDRESS:]PORT] or gaze:[ADDRESS:]PORT",
+     2},
     {"still", KEY_STILL, "MM,DEGREES", 0,
      "0,0 to 100,10, default 0,0: with 'accumulate', eyes and gazes that moved less since the view's first "
      "sample "
@@ -430,6 +436,10 @@ static error_t parse_sim(int key, char *argument, struct argp_state *state) {
         break;
     case KEY_TRACK:
         options->track = argument;
+        break;
+    case KEY_SERVE:
+        options->serve = argument;
+        code = gw_server_check(argument, error);
         break;
     case KEY_PATH:
         options->path = argument;

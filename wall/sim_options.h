@@ -55,6 +55,7 @@ typedef struct gw_sim_options {
     gw_picture_options pictures;
     gw_side_car remade;      /* of --remake */
     const char *track;       /* NULL: the embedded demo track */
+    const char *serve;       /* as whom to send eyes and gazes to other programs, or NULL */
     const char *path;        /* camera path of the scene, or NULL */
     const char *states;      /* recorded frame states to repeat, or NULL */
     const char *save_states; /* or NULL */

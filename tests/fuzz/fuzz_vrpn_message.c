@@ -1,0 +1,10 @@
+/* libFuzzer: clang -fsanitize=fuzzer,address -D_GNU_SOURCE -ffp-contract=off -I.
+ * tests/fuzz/fuzz_vrpn_message.c tracking/x.c base/x.c ... */
+#include "tests/fuzz/vrpn_message_entry.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+    fuzz_vrpn_message(data, size);
+    return 0;
+}

@@ -1,0 +1,115 @@
+/* Sends frames as a DTrack controller does, to one address. All that was given between two polls is one
+ * frame. A body is listed while its last pose is younger than LISTED: sensors of one recording report at
+ * different rates, and a body that a frame does not list is not tracked. */
+#include "tracking/server_internal.h"
+
+#include "base/memory.h"
+#include "tracking/dtrack_message.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const int64_t LISTED = 100000000; /* ns */
+static const int64_t DAY = INT64_C(86400) * 1000000000;
+enum { TEXT = 16384 };
+
+typedef struct dtrack_sender {
+    gw_server base;
+    int socket, waits; /* waits: something was given since the last frame */
+    gw_endpoint to;
+    int64_t newest, seen[GW_DTRACK_BODIES]; /* ns since 1970, of the newest event and each body's last pose */
+    gw_dtrack_frame frame;
+    char text[TEXT];
+} dtrack_sender;
+
+static void take_pose(dtrack_sender *s, const gw_tracking_event *e, int64_t time) {
+    gw_dtrack_pose *body = &s->frame.bodies[e->sensor];
+    body->listed = 1;
+    body->tracked = e->quality >= 0;
+    for (int i = 0; i < 3; i++)
+        body->position[i] = e->of.pose.position[i] * s->base.unit;
+    memcpy(body->orientation, e->of.pose.orientation, sizeof body->orientation);
+    s->seen[e->sensor] = time;
+    if (e->sensor >= s->frame.body_count)
+        s->frame.body_count = e->sensor + 1;
+}
+
+/* Buttons and axes are those of Flystick 0, which stands nowhere. */
+static void take_control(dtrack_sender *s, const gw_tracking_event *e) {
+    gw_dtrack_flystick *f = &s->frame.flysticks[0];
+    s->frame.flystick_count = 1;
+    if (e->kind == GW_EVENT_BUTTON) {
+        const uint32_t bit = 1u << e->sensor;
+        f->button_count = e->sensor >= f->button_count ? e->sensor + 1 : f->button_count;
+        f->buttons = e->of.button.pressed ? f->buttons | bit : f->buttons & ~bit;
+    } else {
+        f->axis_count = e->sensor >= f->axis_count ? e->sensor + 1 : f->axis_count;
+        f->axes[e->sensor] = e->of.analog.value;
+    }
+}
+
+static void send_event(gw_server *server, const gw_tracking_event *e, int64_t time) {
+    dtrack_sender *s = (dtrack_sender *)server;
+    const int room = e->kind == GW_EVENT_POSE     ? GW_DTRACK_BODIES
+                     : e->kind == GW_EVENT_BUTTON ? GW_DTRACK_BUTTONS
+                     : e->kind == GW_EVENT_ANALOG ? GW_DTRACK_AXES
+                                                  : 0;
+    if (e->sensor >= room) {
+        server->counters.unsendable++;
+        return;
+    }
+    if (e->kind == GW_EVENT_POSE)
+        take_pose(s, e, time);
+    else
+        take_control(s, e);
+    s->newest = time;
+    s->waits = 1;
+}
+
+static void poll_sender(gw_server *server, int64_t now) {
+    dtrack_sender *s = (dtrack_sender *)server;
+    (void)now;
+    if (!s->waits)
+        return;
+    for (int i = 0; i < s->frame.body_count; i++)
+        if (llabs(s->newest - s->seen[i]) > LISTED)
+            s->frame.bodies[i].tracked = 0;
+    s->waits = 0;
+    s->frame.frame++;
+    s->frame.has_day_time = 1;
+    s->frame.day_time = (s->newest % DAY + DAY) % DAY;
+    const size_t size = gw_dtrack_write(&s->frame, s->text, sizeof s->text);
+    if (size > 0 && gw_socket_send_to(s->socket, &s->to, s->text, size) > 0)
+        server->counters.messages++;
+    else
+        server->counters.unreachable++;
+}
+
+static void close_sender(gw_server *server) {
+    dtrack_sender *s = (dtrack_sender *)server;
+    gw_socket_close(&s->socket);
+    free(s);
+}
+
+gw_code gw_dtrack_sender_open(const gw_endpoint *at, gw_server **out, gw_error *error) {
+    const gw_endpoint anywhere = {.port = 0};
+    void *memory = NULL;
+    gw_code code = gw_allocate(&memory, 1, sizeof(dtrack_sender), "DTrack sender", error);
+    if (code)
+        return code;
+    dtrack_sender *s = memory;
+    s->to = *at;
+    s->base.port = at->port;
+    s->base.send = send_event;
+    s->base.poll = poll_sender;
+    s->base.close = close_sender;
+    s->socket = gw_socket_datagrams(&anywhere, NULL, NULL);
+    if (s->socket < 0) {
+        code = gw_fail(error, GW_MACHINE, "no socket for datagrams: %s", strerror(errno));
+        close_sender(&s->base);
+        return code;
+    }
+    *out = &s->base;
+    return GW_OK;
+}

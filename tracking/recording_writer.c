@@ -312,8 +312,8 @@ static gw_code open_file(gw_recording_writer *writer, int overwrite, gw_error *e
     return GW_OK;
 }
 
-gw_code gw_recording_writer_open(const char *path, int64_t start, int overwrite, gw_recording_writer **out,
-                                 gw_error *error) {
+gw_code gw_recording_writer_open(const char *path, gw_recording_form form, int64_t start, int overwrite,
+                                 gw_recording_writer **out, gw_error *error) {
     void *memory = NULL;
     *out = NULL;
     gw_code code = gw_allocate(&memory, 1, sizeof(gw_recording_writer), "writer of a recording", error);
@@ -321,7 +321,8 @@ gw_code gw_recording_writer_open(const char *path, int64_t start, int overwrite,
         return code;
     gw_recording_writer *writer = memory;
     writer->start = start;
-    writer->is_csv = gw_path_has_extension(path, ".csv") || gw_path_has_extension(path, ".csv.gz");
+    writer->is_csv = form == GW_RECORDING_AS_CSV || gw_path_has_extension(path, ".csv") ||
+                     gw_path_has_extension(path, ".csv.gz");
     writer->path = gw_copy_text(path);
     writer->plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (writer->path == NULL || writer->plain == (locale_t)0)
@@ -342,10 +343,10 @@ gw_code gw_recording_writer_open(const char *path, int64_t start, int overwrite,
     return code;
 }
 
-gw_code gw_recording_write(const char *path, const gw_recording *recording, int64_t from, int64_t to,
-                           int overwrite, gw_error *error) {
+gw_code gw_recording_write(const char *path, gw_recording_form form, const gw_recording *recording,
+                           int64_t from, int64_t to, int overwrite, gw_error *error) {
     gw_recording_writer *writer = NULL;
-    gw_code code = gw_recording_writer_open(path, recording->start, overwrite, &writer, error);
+    gw_code code = gw_recording_writer_open(path, form, recording->start, overwrite, &writer, error);
     uint32_t number;
     for (uint32_t i = 0; i < recording->sender_count && code == GW_OK; i++)
         code = gw_recording_writer_sender(writer, recording->senders[i], &number, error);

@@ -12,10 +12,15 @@
 
 typedef struct gw_recording_writer gw_recording_writer;
 
+typedef enum gw_recording_form {
+    GW_RECORDING_BY_NAME, /* CSV for .csv and .csv.gz, else a VRPN log; gzipped for .gz */
+    GW_RECORDING_AS_CSV   /* whatever the name; gzipped for .gz */
+} gw_recording_form;
+
 /* start: ns since 1970 of arrival 0. GW_BAD_INPUT when a file is there and is not to be overwritten,
  * GW_NO_OUTPUT when it cannot be made. */
-gw_code gw_recording_writer_open(const char *path, int64_t start, int overwrite, gw_recording_writer **out,
-                                 gw_error *error);
+gw_code gw_recording_writer_open(const char *path, gw_recording_form form, int64_t start, int overwrite,
+                                 gw_recording_writer **out, gw_error *error);
 /* A device whose events follow; its number. At most GW_RECORDING_SENDERS; names are cut to what VRPN takes.
  */
 gw_code gw_recording_writer_sender(gw_recording_writer *writer, const char *name, uint32_t *out,
@@ -32,7 +37,7 @@ gw_code gw_recording_writer_flush(gw_recording_writer *writer, gw_error *error);
 gw_code gw_recording_writer_close(gw_recording_writer **writer, gw_error *error);
 
 /* A whole recording, notes included; those of `from` and later, before `to` (ns of arrival). */
-gw_code gw_recording_write(const char *path, const gw_recording *recording, int64_t from, int64_t to,
-                           int overwrite, gw_error *error);
+gw_code gw_recording_write(const char *path, gw_recording_form form, const gw_recording *recording,
+                           int64_t from, int64_t to, int overwrite, gw_error *error);
 
 #endif

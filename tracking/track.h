@@ -1,15 +1,16 @@
-/* Tracks: recordings of trackers, and what they say at a moment.
+/* Tracks: the heads and gazes of a recording (tracking/recording.h) by the plain convention of
+ * docs/tracks.md, and what they say at a moment.
  *
- * A track is a VRPN log file (docs/tracks.md): Pos_Quat reports of up to four viewers, each with a head
- * sensor and, if there is one, a gaze sensor whose orientation is the gaze (its -z axis). Poses are in wall
- * space: millimetres, right-handed, the viewer looks along -z at the wall, y up. Reading is hostile-safe:
- * every length is bounded, unknown records are counted and skipped. Read-only after loading; any thread may
- * sample it. */
+ * Of one device: poses of up to four viewers, each with a head sensor and, if there is one, a gaze sensor
+ * whose orientation is the gaze (its -z axis), or gaze events. Poses are in wall space: millimetres,
+ * right-handed, the viewer looks along -z at the wall, y up. Read-only after loading; any thread may sample
+ * it. */
 #ifndef GW_TRACKING_TRACK_H
 #define GW_TRACKING_TRACK_H
 
 #include "base/log.h"
 #include "base/status.h"
+#include "tracking/recording.h"
 
 #include <stddef.h>
 #include <stdint.h>
@@ -24,35 +25,31 @@ enum {
 
 /* One report of one sensor. Position in mm (wall space), orientation as unit quaternion x, y, z, w. */
 typedef struct gw_pose_report {
-    int64_t time; /* ns since the track's first report */
+    int64_t time; /* ns since the recording's first event */
     int32_t sensor;
     double position[3];
     double orientation[4];
 } gw_pose_report;
 
-/* What was read, and what was skipped by reason; nothing is dropped in silence:
- * records = poses + descriptions + other_type + ... + not_finite. */
+/* What became of the recording's events and records; nothing is dropped in silence. */
 typedef struct gw_track_counters {
-    uint64_t records;        /* all records of the file */
-    uint64_t poses;          /* used: they are gw_track.reports */
-    uint64_t descriptions;   /* of senders and types, connection records, the end mark */
-    uint64_t other_type;     /* described, but no pose: buttons, pings, velocities, ... */
-    uint64_t unknown_type;   /* a type that was not described before, or an unknown system record */
-    uint64_t other_sender;   /* a pose of a device that was not asked for */
-    uint64_t unknown_sender; /* a pose of a sender that was not described before */
-    uint64_t bad_payload;  /* a pose not of 64 bytes; a description without a proper name or with an id out of
-                              range */
-    uint64_t bad_sensor;   /* a pose of a sensor beyond those of the viewers */
-    uint64_t not_finite;   /* not a pose: NaN, infinite, beyond 1000 km, or a zero quaternion */
-    uint64_t out_of_order; /* used, but earlier than the one before it in the file */
+    gw_recording_counters file; /* what the file held */
+    uint64_t poses;             /* used: they are gw_track.reports */
+    uint64_t other_kind;        /* buttons, analogs, links */
+    uint64_t other_sender;      /* of a device that was not asked for */
+    uint64_t other_sensor;      /* beyond those of the viewers */
+    uint64_t untracked;         /* the device said that it did not see the sensor: silence */
+    uint64_t too_far;           /* beyond 1000 km: another unit */
+    uint64_t reordered;         /* by its device's clock older than the one before it, by less than 1 s */
 } gw_track_counters;
 
 typedef struct gw_track {
     char *name; /* the file, or "demo" */
     size_t report_count;
-    gw_pose_report *reports; /* by rising time */
-    int64_t duration;        /* ns, of the last report */
-    char sender[96];         /* VRPN sender whose sensors these are */
+    gw_pose_report *reports;     /* by rising time, which is the arrival */
+    int64_t duration;            /* ns, of the last report */
+    char sender[GW_SENDER_NAME]; /* device whose sensors these are */
+    char damage[320];            /* where the file stops making sense and why; "" when it is whole */
     gw_track_counters counters;
     /* For each sensor, the indices of its reports, rising. */
     size_t sensor_count[GW_TRACK_SENSORS];
@@ -61,11 +58,15 @@ typedef struct gw_track {
 
 typedef struct gw_track_options {
     double unit;        /* mm per unit of the file; VRPN's convention is metres: 1000 (0 means 1000) */
-    const char *sender; /* NULL: the first sender that reports poses */
+    const char *sender; /* NULL: the first that reports a usable head or gaze */
     const gw_log *log;
 } gw_track_options;
 
-/* Reads a VRPN log. GW_BAD_INPUT names the file and the byte offset. */
+/* GW_BAD_INPUT when no head and no gaze is in it. A damaged recording is used up to the damage, with a
+ * warning. */
+gw_code gw_track_of(const gw_recording *recording, const gw_track_options *options, gw_track **out,
+                    gw_error *error);
+/* Reads a recording and makes a track of it. */
 gw_code gw_track_load(const char *path, const gw_track_options *options, gw_track **out, gw_error *error);
 gw_code gw_track_parse(const void *data, size_t size, const char *name, const gw_track_options *options,
                        gw_track **out, gw_error *error);

@@ -208,15 +208,18 @@ void gw_report_predicted_error(json_t *report, const gw_predicted_error *predict
 
 void gw_report_track(json_t *report, const gw_track *track) {
     const gw_track_counters *c = &track->counters;
-    json_object_set_new(report, "tracking",
-                        json_pack("{s:s, s:o, s:o, s:f, s:{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}}", "state",
-                                  "recording", "file", text_or_null(track->name), "sender",
-                                  text_or_null(track->sender), "duration_s", (double)track->duration * 1e-9,
-                                  "counters", "records", count(c->records), "poses", count(c->poses),
-                                  "unknown_type", count(c->unknown_type), "unknown_sender",
-                                  count(c->unknown_sender), "bad_payload", count(c->bad_payload),
-                                  "bad_sensor", count(c->bad_sensor), "not_finite", count(c->not_finite),
-                                  "out_of_order", count(c->out_of_order)));
+    const gw_recording_counters *file = &c->file;
+    json_object_set_new(
+        report, "tracking",
+        json_pack("{s:s, s:o, s:o, s:f, s:o, s:{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}}",
+                  "state", "recording", "file", text_or_null(track->name), "sender",
+                  text_or_null(track->sender), "duration_s", (double)track->duration * 1e-9, "damage",
+                  track->damage[0] ? text_or_null(track->damage) : json_null(), "counters", "records",
+                  count(file->records), "poses", count(c->poses), "unknown_type", count(file->unknown_type),
+                  "unknown_sender", count(file->unknown_sender), "bad_payload", count(file->bad_payload),
+                  "bad_sensor", count(file->bad_sensor), "other_sensor", count(c->other_sensor), "untracked",
+                  count(c->untracked), "not_finite", count(file->not_finite), "clock_steps",
+                  count(file->clock_steps), "out_of_order", count(c->reordered)));
 }
 
 void gw_report_served(json_t *report, const char *name, gw_server_counters served) {

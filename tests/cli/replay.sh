@@ -40,25 +40,29 @@ head -c 23 "$demo" > "$folder/short.vrpn"
 { head -c 40 "$demo"; printf '\177\377\377\377'; tail -c +45 "$demo"; } > "$folder/long.vrpn"
 cut -c 1-40 "$root/README.md" > "$folder/text.vrpn"
 
-expect "the demo track" 0 "sensor 1 gaze: 481 poses from 0.000 to 8.000 s, 60.0 Hz" demo --info
+expect "the demo track" 0 "Demo0 sensor 1 (gaze of viewer 0): 481 poses from 0.000 to 8.000 s, 60.0 Hz" demo --info
 expect "its file" 0 "0 skipped" "$demo"
-expect "its device by name" 0 "sender       Demo0" "$demo" --sender Demo0
+expect "its device by name" 0 "962 of events" "$demo" --sender Demo0
 expect "help" 0 "Usage: gazewall replay" --help
 expect "a table" 0 "" "$demo" --csv "$folder/demo.csv"
 is "one row per pose" "$(wc -l < "$folder/demo.csv")" 963
-is "the table's head" "$(head -1 "$folder/demo.csv")" "time_s,sensor,x_mm,y_mm,z_mm,qx,qy,qz,qw"
-is "seconds and millimetres" "$(awk -F, 'NR == 963 { print ($1 == 8 && $5 > 1500 && $5 < 2000) }' "$folder/demo.csv")" 1
+is "the table's head" "$(head -1 "$folder/demo.csv" | cut -d, -f1-10)" "arrival_s,sender,kind,sensor,device_s,latency_s,quality,x,y,z"
+is "seconds and metres" "$(awk -F, 'NR == 963 { print ($1 == 1000000008 && $10 > 1.5 && $10 < 2) }' "$folder/demo.csv")" 1
+expect "a table is a track" 0 "(CSV)" "$folder/demo.csv" --info
+expect "a part of a track" 0 "60 poses from 2.000 to 2.983 s" demo --from 2 --to 3
 expect "no track" 2 "name a track" --info
 expect "two tracks" 2 "one track at a time" "$demo" "$demo"
 expect "a missing file" 2 "nowhere.vrpn" "$folder/nowhere.vrpn"
 expect "a folder" 2 "folder" "$folder"
 expect "an empty file" 2 "byte 0: not a VRPN log" "$folder/empty.vrpn"
 expect "half a cookie" 2 "byte 0: not a VRPN log" "$folder/short.vrpn"
-expect "another kind of file" 2 "byte 0: not a VRPN log" "$folder/text.vrpn"
+expect "another kind of file" 2 "neither a VRPN log nor CSV" "$folder/text.vrpn"
 expect "a later major version" 2 "major version 4 to 7" "$folder/future.vrpn"
-expect "a cut record" 2 "byte $((size - 88)): the record is cut off" "$folder/cut.vrpn"
-expect "a length beyond the file" 2 "byte 24: the record is cut off" "$folder/long.vrpn"
-expect "a log without poses" 2 "no usable pose" "$folder/bare.vrpn"
+expect "a cut record is told" 0 "byte $((size - 88)), record 964: a payload of 64 bytes was expected, 59 are there" "$folder/cut.vrpn"
+expect "what is before the cut is used" 0 "(gaze of viewer 0): 480 poses" "$folder/cut.vrpn"
+expect "a length beyond what a record may have" 2 "there is no event in it" "$folder/long.vrpn"
+expect "its place" 2 "byte 24, record 1: a payload of 0 to 64000 bytes was expected" "$folder/long.vrpn"
+expect "a log without events" 2 "there is no event in it" "$folder/bare.vrpn"
 expect "an unknown device" 2 "senders: Demo0" "$demo" --sender Wand
 expect "an unknown option" 2 "did you mean '--info'" demo --inof
 expect "an unknown level" 2 "--log 'loud'" demo --log loud

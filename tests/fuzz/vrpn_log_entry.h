@@ -32,7 +32,7 @@ static inline void fuzz_vrpn_log(const uint8_t *data, size_t size) {
     for (size_t i = 0; i < track->report_count; i++) {
         const gw_pose_report *r = &track->reports[i];
         const double *q = r->orientation;
-        fuzz_require(i == 0 ? r->time == 0 : r->time >= r[-1].time);
+        fuzz_require(r->time >= (i == 0 ? 0 : r[-1].time));
         fuzz_require(fabs(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - 1.0) < 1e-12);
     }
     for (int step = -1; step < 9 * GW_TRACK_VIEWERS; step++) {

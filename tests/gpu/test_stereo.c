@@ -2,15 +2,13 @@
  * along the head's own axis; and every format shows the pixels of the two eyes, whatever the split. */
 #include "tests/support/check.h"
 
-#include "base/file.h"
 #include "tests/support/meshes.h"
 #include "tests/support/renders.h"
-#include "tracking/vrpn_log.h"
+#include "tests/support/tracks.h"
 #include "wall/frames.h"
 #include "wall/stereo.h"
 
 #include <math.h>
-#include <unistd.h>
 
 enum { WIDE = 200, HIGH = 160 };
 static const double PITCH = 2, EYES = 63, EYE_DEPTH = 1000, BEHIND = 600; /* mm */
@@ -48,17 +46,13 @@ static int close_stage(void **state) {
 static gw_frame_state look(double degrees) {
     const double half = degrees * 3.14159265358979 / 360;
     gw_pose_report report = {.position = {0, 0, EYE_DEPTH}, .orientation = {0, 0, sin(half), cos(half)}};
-    gw_track track = {.report_count = 1, .reports = &report, .sender = "Test"}, *read = NULL;
+    gw_track *track = track_of_reports(&report, 1);
     const double neutral[3] = {9, 9, 999};
-    char path[512];
     gw_frame_state state;
-    check_ok(gw_vrpn_log_write(scratch_path(path, "head.vrpn"), &track, 1000.0, 0, &error));
-    check_ok(gw_track_load(path, NULL, &read, &error));
-    unlink(path);
     gw_frame_begin(&state, 0, &stage.settings, 0, GW_DEBUG_NONE);
-    gw_frame_look(&state, read, 0, neutral, &stage.settings);
-    gw_frame_part_eyes(&state, read, 0, EYES);
-    gw_track_destroy(&read);
+    gw_frame_look(&state, track, 0, neutral, &stage.settings);
+    gw_frame_part_eyes(&state, track, 0, EYES);
+    gw_track_destroy(&track);
     return state;
 }
 

@@ -7,7 +7,7 @@
 #include "build/demo_scene.h"
 #include "render/sparse.h"
 #include "tests/support/renders.h"
-#include "tracking/vrpn_log.h"
+#include "tests/support/tracks.h"
 #include "wall/frames.h"
 #include "wall/site.h"
 
@@ -75,14 +75,10 @@ static gw_pose_report pose(int sensor, int64_t time, const double eye[3], const 
     return report;
 }
 
-/* The state that a track says at a time, by way of a file, as every track comes. */
+/* The state that a track says at a time. */
 static gw_frame_state state_of(gw_pose_report *reports, size_t count, int64_t time) {
-    char path[512];
-    gw_track track = {.report_count = count, .reports = reports, .sender = "Test"}, *read = NULL;
+    gw_track *read = track_of_reports(reports, count);
     gw_frame_state state;
-    check_ok(gw_vrpn_log_write(scratch_path(path, "viewers.vrpn"), &track, 1000.0, 0, &error));
-    check_ok(gw_track_load(path, NULL, &read, &error));
-    unlink(path);
     gw_frame_begin(&state, 0, &stage.settings, 0, GW_DEBUG_NONE);
     gw_frame_look(&state, read, time, neutral, &stage.settings);
     gw_track_destroy(&read);

@@ -9,8 +9,8 @@
 #define GW_TESTS_TOOLS_DEMO_TRACK_H
 
 #include "base/portable_math.h"
+#include "tracking/recording_writer.h"
 #include "tracking/track.h"
-#include "tracking/vrpn_log.h"
 
 #include <math.h>
 #include <string.h>
@@ -74,29 +74,38 @@ static inline void demo_turn(const double direction[3], double q[4]) {
         q[i] /= length;
 }
 
-static inline void demo_record(gw_pose_report reports[DEMO_REPORTS]) {
-    for (int i = 0; i <= DEMO_RATE * DEMO_SECONDS; i++) {
-        double time = (double)i / DEMO_RATE, eye[3], point[2];
-        demo_eye(time, eye);
-        demo_gaze_point(time, point);
-        double to_wall[3] = {point[0] - eye[0], point[1] - eye[1], -eye[2]};
-        /* The head turns half as far as the eyes do. */
-        double facing[3] = {0.5 * to_wall[0], 0.5 * to_wall[1], to_wall[2]};
-        for (int sensor = 0; sensor <= GW_SENSOR_GAZE; sensor++) {
-            gw_pose_report *report = &reports[2 * i + sensor];
-            *report = (gw_pose_report){.time = (int64_t)i * 1000000000 / DEMO_RATE, .sensor = sensor};
-            memcpy(report->position, eye, sizeof eye);
-            demo_turn(sensor == GW_SENSOR_GAZE ? to_wall : facing, report->orientation);
-        }
-    }
+/* The pose of sensor 0 or 1 at a time, in metres as VRPN has it. */
+static inline void demo_pose(double time, int sensor, gw_tracking_event *out) {
+    double eye[3], point[2];
+    demo_eye(time, eye);
+    demo_gaze_point(time, point);
+    double to_wall[3] = {point[0] - eye[0], point[1] - eye[1], -eye[2]};
+    /* The head turns half as far as the eyes do. */
+    double facing[3] = {0.5 * to_wall[0], 0.5 * to_wall[1], to_wall[2]};
+    *out = (gw_tracking_event){.kind = GW_EVENT_POSE, .sensor = sensor, .quality = 1.0};
+    for (int i = 0; i < 3; i++)
+        out->of.pose.position[i] = eye[i] / 1000.0;
+    demo_turn(sensor == GW_SENSOR_GAZE ? to_wall : facing, out->of.pose.orientation);
 }
 
 /* Writes the file; its clock starts at Unix second 1000000000. */
 static inline gw_code demo_write(const char *path, gw_error *error) {
-    static gw_pose_report reports[DEMO_REPORTS];
-    demo_record(reports);
-    gw_track track = {.report_count = DEMO_REPORTS, .reports = reports, .sender = "Demo0"};
-    return gw_vrpn_log_write(path, &track, 1000.0, 1000000000, error);
+    const int64_t start = (int64_t)1000000000 * 1000000000;
+    gw_recording_writer *writer = NULL;
+    uint32_t sender = 0;
+    gw_code code = gw_recording_writer_open(path, GW_RECORDING_BY_NAME, start, 1, &writer, error);
+    if (code == GW_OK)
+        code = gw_recording_writer_sender(writer, "Demo0", &sender, error);
+    for (int i = 0; i < DEMO_REPORTS && code == GW_OK; i++) {
+        const int64_t time = (int64_t)(i / 2) * 1000000000 / DEMO_RATE;
+        gw_tracking_event event;
+        demo_pose((double)(i / 2) / DEMO_RATE, i % 2, &event);
+        event.arrival = (time + 500) / 1000 * 1000; /* whole microseconds, as VRPN's logs have them */
+        event.device_time = start + event.arrival;
+        code = gw_recording_writer_event(writer, sender, &event, error);
+    }
+    gw_code closed = gw_recording_writer_close(&writer, code == GW_OK ? error : NULL);
+    return code != GW_OK ? code : closed;
 }
 
 #endif

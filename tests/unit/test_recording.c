@@ -84,7 +84,7 @@ enum { ALL_KINDS = sizeof all_kinds / sizeof *all_kinds };
 static void write_all(const char *path, int overwrite) {
     gw_recording_writer *writer;
     uint32_t number;
-    check_ok(gw_recording_writer_open(path, start_time, overwrite, &writer, &error));
+    check_ok(gw_recording_writer_open(path, GW_RECORDING_BY_NAME, start_time, overwrite, &writer, &error));
     check_ok(gw_recording_writer_sender(writer, "Glasses", &number, &error));
     check_ok(gw_recording_writer_sender(writer, "Wand, \"left\"", &number, &error));
     assert_int_equal(number, 1);
@@ -269,7 +269,7 @@ static void what_was_flushed_can_be_read(void **state) {
         gw_recording *recording;
         uint32_t number;
         unlink(scratch_path(path, names[form]));
-        check_ok(gw_recording_writer_open(path, start_time, 0, &writer, &error));
+        check_ok(gw_recording_writer_open(path, GW_RECORDING_BY_NAME, start_time, 0, &writer, &error));
         check_ok(gw_recording_writer_sender(writer, "a", &number, &error));
         check_ok(gw_recording_writer_sender(writer, "b", &number, &error));
         for (int i = 0; i < 9; i++)
@@ -289,12 +289,13 @@ static void files_are_not_overwritten_unasked(void **state) {
     char path[512];
     gw_recording_writer *writer;
     write_all(scratch_path(path, "there.vrpn"), 1);
-    check_fails(gw_recording_writer_open(path, 0, 0, &writer, &error), GW_BAD_INPUT, "--overwrite");
+    check_fails(gw_recording_writer_open(path, GW_RECORDING_BY_NAME, 0, 0, &writer, &error), GW_BAD_INPUT,
+                "--overwrite");
     write_all(path, 1);
     unlink(path);
-    check_fails(gw_recording_writer_open("/dev/null/x.vrpn", 0, 0, &writer, &error), GW_NO_OUTPUT,
-                "/dev/null/x.vrpn");
-    check_ok(gw_recording_writer_open("/dev/full", 0, 0, &writer, &error));
+    check_fails(gw_recording_writer_open("/dev/null/x.vrpn", GW_RECORDING_BY_NAME, 0, 0, &writer, &error),
+                GW_NO_OUTPUT, "/dev/null/x.vrpn");
+    check_ok(gw_recording_writer_open("/dev/full", GW_RECORDING_BY_NAME, 0, 0, &writer, &error));
     check_fails(gw_recording_writer_flush(writer, &error), GW_NO_OUTPUT, "No space left");
     gw_recording_writer_close(&writer, NULL);
 }
@@ -347,7 +348,8 @@ static void times_of_a_foreign_log(void **state) {
     /* Written and read again it is the same recording, device times and all. */
     char path[512];
     gw_recording *again;
-    check_ok(gw_recording_write(scratch_path(path, "again.vrpn"), recording, 0, INT64_MAX, 1, &error));
+    check_ok(gw_recording_write(scratch_path(path, "again.vrpn"), GW_RECORDING_BY_NAME, recording, 0,
+                                INT64_MAX, 1, &error));
     check_ok(gw_recording_load(path, &again, &error));
     assert_int_equal(again->count, ROWS);
     for (int i = 0; i < ROWS; i++)
@@ -364,8 +366,8 @@ static void our_own_records_byte_by_byte(void **state) {
     gw_recording_writer *writer;
     uint32_t number;
     gw_bytes bytes;
-    check_ok(gw_recording_writer_open(scratch_path(path, "own.vrpn"), (int64_t)1000500000 * 1000000, 1,
-                                      &writer, &error));
+    check_ok(gw_recording_writer_open(scratch_path(path, "own.vrpn"), GW_RECORDING_BY_NAME,
+                                      (int64_t)1000500000 * 1000000, 1, &writer, &error));
     check_ok(gw_recording_writer_sender(writer, "G", &number, &error));
     const gw_tracking_event gaze = {.kind = GW_EVENT_GAZE,
                                     .sensor = 2,

@@ -4,24 +4,14 @@
 #include "base/embedded.h"
 #include "base/file.h"
 #include "base/portable_math.h"
+#include "tests/support/tracks.h"
 #include "tests/tools/demo_track.h"
 #include "tracking/track.h"
-#include "tracking/vrpn_log.h"
 
 #include <math.h>
 #include <unistd.h>
 
 static const int64_t second = 1000000000;
-
-/* A track by way of a file, as every track comes. */
-static gw_track *track_of(gw_pose_report *reports, size_t count) {
-    char path[512];
-    gw_track track = {.report_count = count, .reports = reports, .sender = "Test"}, *out = NULL;
-    check_ok(gw_vrpn_log_write(scratch_path(path, "track.vrpn"), &track, 1000.0, 0, &error));
-    check_ok(gw_track_load(path, NULL, &out, &error));
-    unlink(path);
-    return out;
-}
 
 /* The quaternion of a turn about an axis. */
 static void turn(double axis_x, double axis_y, double axis_z, double angle, double q[4]) {
@@ -58,7 +48,7 @@ static void positions_are_interpolated_and_clamped(void **state) {
         {.time = 0, .position = {0, 100, 1500}, .orientation = {0, 0, 0, 1}},
         {.time = second, .position = {100, 100, 1500}, .orientation = {0, 0, 0, 1}},
         {.time = 2 * second, .position = {100, 300, 1700}, .orientation = {0, 0, 0, 1}}};
-    gw_track *track = track_of(reports, 3);
+    gw_track *track = track_of_reports(reports, 3);
     gw_track_sample sample;
     static const struct {
         int64_t time;
@@ -83,7 +73,7 @@ static void gaze_between(const double a[4], const double b[4], double t, double 
                                  {.time = second, .sensor = GW_SENSOR_GAZE}};
     memcpy(reports[0].orientation, a, sizeof reports[0].orientation);
     memcpy(reports[1].orientation, b, sizeof reports[1].orientation);
-    gw_track *track = track_of(reports, 2);
+    gw_track *track = track_of_reports(reports, 2);
     gw_track_sample sample;
     gw_track_at(track, 0, (int64_t)(t * (double)second), &sample);
     assert_true(sample.has_gaze);
@@ -143,7 +133,7 @@ static void ages_and_confidence_tell_of_missing_reports(void **state) {
                                  {.time = second, .sensor = 0, .orientation = {0, 0, 0, 1}},
                                  {.time = second, .sensor = 1, .orientation = {0, 0, 0, 1}},
                                  {.time = 3 * second, .sensor = 0, .orientation = {0, 0, 0, 1}}};
-    gw_track *track = track_of(reports, 5);
+    gw_track *track = track_of_reports(reports, 5);
     gw_track_sample sample;
     static const struct {
         int64_t time, head_age, gaze_age;
@@ -168,35 +158,50 @@ static void ages_and_confidence_tell_of_missing_reports(void **state) {
     gw_track_destroy(&track);
 }
 
-/* Reports out of order are sorted, and those of one moment keep the file's order. */
-static void sorting_is_stable(void **state) {
+/* Gaze events count as a gaze sensor's poses: in the device's frame as they are, in the head's turned by it.
+ */
+static void gaze_events_are_gazes(void **state) {
     (void)state;
-    enum { COUNT = 101 };
-    static gw_pose_report reports[COUNT];
-    for (int i = 0; i < COUNT; i++)
-        reports[i] = (gw_pose_report){.time = i, .position = {i, 0, 0}, .orientation = {0, 0, 0, 1}};
-    gw_track source = {.report_count = COUNT, .reports = reports, .sender = "Test"}, *track;
-    char path[512];
-    check_ok(gw_vrpn_log_write(scratch_path(path, "order.vrpn"), &source, 1.0, 0, &error));
-    gw_bytes bytes;
-    check_ok(gw_file_read(path, 1 << 20, &bytes, &error));
-    unlink(path);
-    size_t first = bytes.size - COUNT * 88u;
-    for (size_t i = 0; i < COUNT; i++) { /* microseconds: 37 places about, three reports to each moment */
-        uint32_t time = (uint32_t)((i * 59 % COUNT) / 3);
-        uint8_t *field = bytes.data + first + i * 88 + 12;
-        field[2] = (uint8_t)(time >> 8);
-        field[3] = (uint8_t)time;
-    }
-    gw_track_options options = {.unit = 1.0};
-    check_ok(gw_track_parse(bytes.data, bytes.size, "order", &options, &track, &error));
-    gw_bytes_finish(&bytes);
-    assert_true(track->counters.out_of_order > 10);
-    for (size_t i = 1; i < COUNT; i++) {
-        const gw_pose_report *before = &track->reports[i - 1], *now = &track->reports[i];
-        assert_true(before->time < now->time ||
-                    (before->time == now->time && before->position[0] < now->position[0]));
-    }
+    static char name[] = "made", sender[2][GW_SENDER_NAME] = {"Test", "Other"};
+    gw_recorded_event events[] = {
+        {0, {.sensor = 2, .device_time = GW_NO_TIME, .quality = 1, .of.pose = {{0, 0, 1}, {0, 1, 0, 0}}}},
+        {1, {.sensor = 0, .device_time = GW_NO_TIME, .quality = 1, .of.pose = {{0, 0, 1}, {0, 0, 0, 1}}}},
+        {0,
+         {.kind = GW_EVENT_GAZE,
+          .sensor = 1,
+          .device_time = GW_NO_TIME,
+          .quality = 1,
+          .of.gaze = {GW_GAZE_IN_HEAD, 0, {0}, {0.6, 0, -0.8}, 1}}},
+        {0,
+         {.kind = GW_EVENT_GAZE,
+          .arrival = 5,
+          .device_time = GW_NO_TIME,
+          .quality = 1,
+          .of.gaze = {GW_GAZE_IN_DEVICE, 0, {0}, {0.6, 0, -0.8}, 1}}},
+        {0, {.kind = GW_EVENT_GAZE, .arrival = 5, .device_time = GW_NO_TIME, .quality = -1}},
+        {0, {.kind = GW_EVENT_BUTTON, .arrival = 5, .device_time = GW_NO_TIME, .quality = 1}},
+        {0, {.kind = GW_EVENT_GAZE, .sensor = 4, .arrival = 5, .quality = 1}},
+    };
+    const gw_recording recording = {.name = name,
+                                    .count = sizeof events / sizeof *events,
+                                    .events = events,
+                                    .sender_count = 2,
+                                    .senders = sender};
+    gw_track *track = NULL;
+    gw_track_sample sample;
+    check_ok(gw_track_of(&recording, NULL, &track, &error));
+    gw_track_at(track, 1, 0, &sample);
+    assert_true(sample.has_head && sample.has_gaze && sample.eye[2] == 1000.0);
+    assert_near(sample.gaze_direction[0], -0.6, 1e-15);
+    assert_near(sample.gaze_direction[2], 0.8, 1e-15);
+    gw_track_at(track, 0, 5, &sample);
+    assert_true(!sample.has_head && sample.has_gaze); /* the other sender's head is not its */
+    assert_near(sample.gaze_direction[0], 0.6, 1e-15);
+    assert_int_equal(track->counters.poses, 3);
+    assert_int_equal(track->counters.other_sender, 1);
+    assert_int_equal(track->counters.other_kind, 1);
+    assert_int_equal(track->counters.untracked, 1);
+    assert_int_equal(track->counters.other_sensor, 1);
     gw_track_destroy(&track);
 }
 
@@ -287,7 +292,7 @@ int main(void) {
         cmocka_unit_test(flipped_signs_take_the_shorter_way),
         cmocka_unit_test(half_turns_stay_finite),
         cmocka_unit_test(ages_and_confidence_tell_of_missing_reports),
-        cmocka_unit_test(sorting_is_stable),
+        cmocka_unit_test(gaze_events_are_gazes),
         cmocka_unit_test(demo_file_is_what_its_formula_makes),
         cmocka_unit_test(demo_gaze_crosses_tile_borders),
         cmocka_unit_test(demo_is_fitted_to_the_wall),

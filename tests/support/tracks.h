@@ -1,0 +1,13 @@
+/* Tracks for tests, without a file. Needs cmocka's headers before it (check.h). */
+#ifndef GW_TESTS_SUPPORT_TRACKS_H
+#define GW_TESTS_SUPPORT_TRACKS_H
+
+#include "tracking/track.h"
+
+enum { TRACK_OF_MOST = 64 };
+
+/* A track of poses in millimetres that arrive at their times, at most TRACK_OF_MOST; for gw_track_destroy().
+ * Fails the test when it cannot be made. */
+gw_track *track_of_reports(const gw_pose_report *reports, size_t count);
+
+#endif

@@ -57,4 +57,29 @@ static inline void gw_turn_onto(const double direction[3], double q[4]) {
     q[3] = w / length;
 }
 
+/* The turn that takes x, y and z to axes[0], [1] and [2], a right-handed set of unit vectors (Shepperd 1978:
+ * the largest of the four numbers is found first, so nothing is divided by a small one). */
+static inline void gw_turn_of_axes(double axes[3][3], double q[4]) {
+    const double trace = axes[0][0] + axes[1][1] + axes[2][2];
+    int largest = 3;
+    double best = trace;
+    for (int i = 0; i < 3; i++)
+        if (axes[i][i] > best) {
+            best = axes[i][i];
+            largest = i;
+        }
+    const int i = largest % 3, j = (i + 1) % 3, k = (i + 2) % 3;
+    if (largest == 3) {
+        q[3] = 1 + trace;
+        for (int c = 0; c < 3; c++)
+            q[c] = axes[(c + 1) % 3][(c + 2) % 3] - axes[(c + 2) % 3][(c + 1) % 3];
+    } else {
+        q[i] = 1 + axes[i][i] - axes[j][j] - axes[k][k];
+        q[j] = axes[i][j] + axes[j][i];
+        q[k] = axes[i][k] + axes[k][i];
+        q[3] = axes[j][k] - axes[k][j];
+    }
+    gw_turn_normalise(q);
+}
+
 #endif

@@ -51,31 +51,6 @@ static gw_code read_axes(const gw_yaml_node *map, gw_axis_map *out, gw_error *er
     return code;
 }
 
-/* The quaternion of a rotation whose columns are a right-handed set of unit vectors (Shepperd 1978: the
- * largest of the four is found first, so nothing is divided by a small number). */
-static void turn_of_axes(double axes[3][3], double q[4]) {
-    const double trace = axes[0][0] + axes[1][1] + axes[2][2];
-    int largest = 3;
-    double best = trace;
-    for (int i = 0; i < 3; i++)
-        if (axes[i][i] > best) {
-            best = axes[i][i];
-            largest = i;
-        }
-    const int i = largest % 3, j = (i + 1) % 3, k = (i + 2) % 3;
-    if (largest == 3) {
-        q[3] = 1 + trace;
-        for (int c = 0; c < 3; c++)
-            q[c] = axes[(c + 1) % 3][(c + 2) % 3] - axes[(c + 2) % 3][(c + 1) % 3];
-    } else {
-        q[i] = 1 + axes[i][i] - axes[j][j] - axes[k][k];
-        q[j] = axes[i][j] + axes[j][i];
-        q[k] = axes[i][k] + axes[k][i];
-        q[3] = axes[j][k] - axes[k][j];
-    }
-    gw_turn_normalise(q);
-}
-
 static double dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
@@ -110,7 +85,7 @@ static gw_code read_axis_vectors(const gw_yaml_node *node, const char *key, doub
             "key '%s': the three axes are left-handed, which no turn is; give the hand of the "
             "device in 'axes', as 'x y -z'",
             key);
-    turn_of_axes(axes, out);
+    gw_turn_of_axes(axes, out);
     return GW_OK;
 }
 

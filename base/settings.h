@@ -15,7 +15,8 @@
 
 /* GW_ROW(field, kind, default, minimum, maximum, choices, stage, unit, trades, reference, help)
  * kind: REAL, INTEGER, SWITCH (0 or 1) or CHOICE (index into choices, "a|b|c").
- * stage: BUILD (changes the octree's bytes), FRAME (travels in the frame state). */
+ * stage: BUILD (changes the octree's bytes), FRAME (travels in the frame state), TRACK (changes what rank 0 puts
+ * into it: eyes and gazes). */
 /* clang-format off */
 #define GW_SETTINGS_TABLE(GW_ROW)                                                                                     \
     GW_ROW(outlier_extents, REAL, 1e6, 0.0, 1e30, "", BUILD, "extents", "far triangles against a scene shrunk to a point",    \
@@ -107,6 +108,42 @@
            "tau of shadow rays, as a multiple of the pixel's own; 0: every shadow ray ends at triangles")               \
     GW_ROW(mirror_roughness, REAL, 0.02, 0.0, 0.25, "", FRAME, "", "rough metal shown as a mirror against rays", "0",      \
            "metal (metalness 1) of at most this roughness is a perfect mirror, whose reflections are traced")            \
+    GW_ROW(head_filter, CHOICE, 0, 0, 2, "none|one-euro|kalman", TRACK, "", "shaking heads against late ones", "none",        \
+           "how the eyes' places are smoothed; one-euro and kalman also steady the heads' turns")                        \
+    GW_ROW(head_cutoff, REAL, 2.0, 0.05, 1000.0, "", TRACK, "Hz", "shaking heads against late ones", "1000",              \
+           "one-euro: cutoff of a head at rest")                                                                        \
+    GW_ROW(head_cutoff_growth, REAL, 30.0, 0.0, 10000.0, "", TRACK, "Hz s/m", "late heads against shaking ones", "10000",  \
+           "one-euro: growth of the cutoff per m/s of speed")                                                           \
+    GW_ROW(head_noise, REAL, 0.5, 0.001, 1000.0, "", TRACK, "mm", "shaking heads against late ones", "0.001",             \
+           "kalman: standard deviation of the tracker's noise along an axis")                                            \
+    GW_ROW(head_acceleration, REAL, 3.0, 0.01, 1000.0, "", TRACK, "m/s^2", "late heads against shaking ones", "1000",      \
+           "kalman: usual acceleration of heads")                                                                       \
+    GW_ROW(turn_cutoff, REAL, 2.0, 0.05, 1000.0, "", TRACK, "Hz", "shaking turns against late ones", "1000",              \
+           "one-euro of the heads' turns: cutoff at rest")                                                              \
+    GW_ROW(turn_cutoff_growth, REAL, 0.3, 0.0, 1000.0, "", TRACK, "Hz s/deg", "late turns against shaking ones", "1000",   \
+           "one-euro of the heads' turns: growth of the cutoff per deg/s of speed")                                      \
+    GW_ROW(gaze_filter, CHOICE, 0, 0, 1, "none|one-euro", TRACK, "", "shaking gazes against late ones", "none",           \
+           "how gazes are smoothed in fixations and pursuit; never in a saccade")                                        \
+    GW_ROW(gaze_cutoff, REAL, 3.0, 0.05, 1000.0, "", TRACK, "Hz", "shaking gazes against late ones", "1000",              \
+           "one-euro of gazes: cutoff at rest")                                                                         \
+    GW_ROW(gaze_cutoff_growth, REAL, 0.1, 0.0, 1000.0, "", TRACK, "Hz s/deg", "late gazes against shaking ones", "1000",   \
+           "one-euro of gazes: growth of the cutoff per deg/s of speed")                                                 \
+    GW_ROW(saccade_speed, REAL, 70.0, 0.0, 10000.0, "", TRACK, "deg/s", "saccades that are missed against noise taken for one", \
+           "0 (none is looked for)", "a gaze that moves as fast is a saccade, until it is half as fast")                 \
+    GW_ROW(saccade_growth_limit, REAL, 15.0, 0.0, 90.0, "", TRACK, "deg", "late gazes in saccades against cost", "90",        \
+           "most that a saccade that goes on adds to each half-angle of the ellipsoid")                                  \
+    GW_ROW(prediction, SWITCH, 1, 0, 1, "", TRACK, "", "late eyes against eyes that overshoot", "off",                     \
+           "heads are predicted, at their speed and turn, to when the frame is seen")                                    \
+    GW_ROW(prediction_limit, REAL, 0.1, 0.0, 0.5, "", TRACK, "s", "late eyes against eyes that overshoot", "0",            \
+           "longest time by which heads are predicted, and never beyond hold_time")                                      \
+    GW_ROW(hold_time, REAL, 0.1, 0.02, 10.0, "", TRACK, "s", "an eye that stands against one that leaves", "10",           \
+           "a sensor that is silent longer than this, and than 3 of its periods, is lost")                               \
+    GW_ROW(glide_speed, REAL, 1.0, 0.05, 1.2, "", TRACK, "m/s", "a wrong eye against one that moves by itself", "1.2",     \
+           "speed at which the eye leaves a lost head for the neutral place, and comes back")                            \
+    GW_ROW(gaze_fade, REAL, 0.4, 0.0, 10.0, "", TRACK, "s", "late gazes against cost", "10",                               \
+           "the confidence of a lost gaze falls from 1 to 0 over this time")                                             \
+    GW_ROW(added_latency, REAL, 0.0, 0.0, 5.0, "", TRACK, "s", "for studies: samples reach us this much later", "0",        \
+           "delay of every sample on its way, as if the tracker or its network were slower")                             \
     GW_ROW(texture_filter, CHOICE, 2, 0, 2, "nearest|bilinear|trilinear", FRAME, "", "texture aliasing against fetches", \
            "trilinear", "how base-colour textures are read at the ray's footprint")                                    \
     GW_ROW(triangle_precision, CHOICE, 0, 0, 1, "float|double", FRAME, "", "rounding at shared edges against time",    \
@@ -133,7 +170,8 @@ typedef enum gw_setting_kind {
     GW_SETTING_SWITCH,
     GW_SETTING_CHOICE
 } gw_setting_kind;
-typedef enum gw_setting_stage { GW_SETTING_BUILD, GW_SETTING_FRAME } gw_setting_stage;
+typedef enum gw_setting_stage { GW_SETTING_BUILD, GW_SETTING_FRAME, GW_SETTING_TRACK } gw_setting_stage;
+enum { GW_HEAD_NONE, GW_HEAD_ONE_EURO, GW_HEAD_KALMAN };
 enum { GW_PAYLOAD_AREA, GW_PAYLOAD_SEED };
 enum { GW_GEOMETRY_HYBRID, GW_GEOMETRY_TRIANGLES, GW_GEOMETRY_VOXELS };
 enum { GW_FILTER_NEAREST, GW_FILTER_BILINEAR, GW_FILTER_TRILINEAR };

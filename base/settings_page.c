@@ -60,6 +60,9 @@ char *gw_settings_page(void) {
     fprintf(page, "\n## Of a frame\n\nThey travel in the frame state, are recorded with it and repeated by "
                   "replay.\n\n");
     write_stage(page, &defaults, GW_SETTING_FRAME);
+    fprintf(page, "\n## Of tracking\n\nThey change what rank 0 puts into the frame state: eyes and gazes "
+                  "([tracking.md](tracking.md)). A recorded frame state holds what came of them.\n\n");
+    write_stage(page, &defaults, GW_SETTING_TRACK);
     if (fclose(page) != 0) {
         free(text);
         return NULL;

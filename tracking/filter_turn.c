@@ -27,18 +27,16 @@ void gw_turn_from_vector(const double vector[3], double out[4]) {
     out[3] = gw_cos(0.5 * angle);
 }
 
-/* The turn that follows `from`, told in its axes, to become `to`. */
-static void between(const double from[4], const double to[4], double vector[3]) {
+void gw_turn_between(const double from[4], const double to[4], double out[3]) {
     double back[4], turn[4];
     gw_turn_back(from, back);
     gw_turn_after(back, to, turn);
-    gw_turn_to_vector(turn, vector);
+    gw_turn_to_vector(turn, out);
 }
 
-static void turn_on(const double from[4], const double vector[3], double share, double out[4]) {
-    const double part[3] = {share * vector[0], share * vector[1], share * vector[2]};
+void gw_turn_on(const double from[4], const double vector[3], double out[4]) {
     double turn[4];
-    gw_turn_from_vector(part, turn);
+    gw_turn_from_vector(vector, turn);
     gw_turn_after(from, turn, out);
     gw_turn_normalise(out);
 }
@@ -59,7 +57,7 @@ static void estimate_velocity(gw_turn_filter *f, const double sample[4], double 
     const double fast = gw_low_pass_weight(VELOCITY_CUTOFF, dt),
                  slow = gw_low_pass_weight(GW_SPEED_CUTOFF, dt);
     double way[3];
-    between(f->last, sample, way);
+    gw_turn_between(f->last, sample, way);
     for (int i = 0; i < 3; i++) {
         f->velocity[i] += fast * (way[i] / dt - f->velocity[i]);
         f->slow[i] += slow * (way[i] / dt - f->slow[i]);
@@ -84,12 +82,16 @@ int gw_turn_filter_take(gw_turn_filter *f, const double sample[4], double dt) {
     }
     const double speed = sqrt(f->slow[0] * f->slow[0] + f->slow[1] * f->slow[1] + f->slow[2] * f->slow[2]);
     const double cutoff = gw_one_euro_cutoff(&f->tuning.one_euro, speed);
-    between(f->at, unit, way);
-    turn_on(f->at, way, gw_low_pass_weight(cutoff, dt), f->at);
+    gw_turn_between(f->at, unit, way);
+    const double weight = gw_low_pass_weight(cutoff, dt);
+    for (int i = 0; i < 3; i++)
+        way[i] *= weight;
+    gw_turn_on(f->at, way, f->at);
     f->delay = gw_low_pass_delay(cutoff);
     return 1;
 }
 
 void gw_turn_filter_predict(const gw_turn_filter *f, double seconds, double out[4]) {
-    turn_on(f->at, f->velocity, seconds, out);
+    const double way[3] = {seconds * f->velocity[0], seconds * f->velocity[1], seconds * f->velocity[2]};
+    gw_turn_on(f->at, way, out);
 }

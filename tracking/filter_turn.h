@@ -30,5 +30,8 @@ void gw_turn_filter_predict(const gw_turn_filter *filter, double seconds, double
 /* The rotation vector (axis times radians, 0 to pi) of a unit quaternion, and back. */
 void gw_turn_to_vector(const double q[4], double out[3]);
 void gw_turn_from_vector(const double vector[3], double out[4]);
+/* The rotation vector, told in the axes of `from`, that leads to `to`; and what it leads to. */
+void gw_turn_between(const double from[4], const double to[4], double out[3]);
+void gw_turn_on(const double from[4], const double vector[3], double out[4]);
 
 #endif

@@ -30,6 +30,7 @@ typedef struct gw_sensor_state {
     int heard;
     int64_t arrival, time; /* ns, our clock: of the newest sample, and when it was taken */
     int64_t returned;      /* time of the first sample since it was last silent */
+    uint32_t since_return; /* samples after that one */
     int64_t period;        /* ns, median of the last ones; 0: not known yet */
     uint32_t known_periods, next_period;
     int64_t periods[GW_SENSOR_PERIODS]; /* a ring */

@@ -454,7 +454,7 @@ gw_code gw_draw_options_decide_frames(const gw_draw_options *options, gw_error *
     char text[64];
     for (size_t i = 0; i < gw_setting_count && !given; i++) {
         const gw_setting_row *row = &gw_setting_rows[i];
-        if (row->stage != GW_SETTING_FRAME || gw_setting_value(&options->settings, row) == row->initial)
+        if (row->stage == GW_SETTING_BUILD || gw_setting_value(&options->settings, row) == row->initial)
             continue;
         gw_setting_text(&options->settings, row, text);
         return gw_fail(

@@ -35,8 +35,9 @@ int gw_verb_settings(int argc, char **argv) {
     gw_settings defaults;
     gw_settings_init(&defaults);
     static const char *const headings[] = {"Octree (change its bytes):",
-                                           "Frame (travel in the frame state):"};
-    for (int stage = GW_SETTING_BUILD; stage <= GW_SETTING_FRAME; stage++) {
+                                           "Frame (travel in the frame state):",
+                                           "Tracking (change the eyes and gazes in the frame state):"};
+    for (int stage = GW_SETTING_BUILD; stage <= GW_SETTING_TRACK; stage++) {
         printf("%s%s\n\n", stage ? "\n" : "", headings[stage]);
         for (size_t i = 0; i < gw_setting_count; i++)
             if ((int)gw_setting_rows[i].stage == stage)

@@ -1,0 +1,104 @@
+#include "tracking/tracker_internal.h"
+
+#include "base/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const double radians_per_degree = 0.017453292519943295;
+
+static gw_tracker_tuning tuning_of(const gw_settings *s) {
+    const double limit = s->prediction_limit < s->hold_time ? s->prediction_limit : s->hold_time;
+    _Static_assert((int)GW_HEAD_ONE_EURO == (int)GW_FILTER_KIND_ONE_EURO &&
+                       (int)GW_HEAD_KALMAN == (int)GW_FILTER_KIND_KALMAN,
+                   "the setting's choices are the filters");
+    return (gw_tracker_tuning){.place = {.kind = (gw_filter_kind)s->head_filter,
+                                         .one_euro = {s->head_cutoff, s->head_cutoff_growth * 1e-3},
+                                         .noise = s->head_noise,
+                                         .acceleration = s->head_acceleration * 1e3},
+                               .turn = {s->head_filter != GW_HEAD_NONE,
+                                        {s->turn_cutoff, s->turn_cutoff_growth / radians_per_degree}},
+                               .gaze = {s->gaze_filter,
+                                        {s->gaze_cutoff, s->gaze_cutoff_growth},
+                                        s->saccade_speed,
+                                        s->saccade_growth_limit},
+                               .predicts = s->prediction,
+                               .prediction_limit = limit,
+                               .hold_time = (int64_t)(s->hold_time * 1e9),
+                               .gaze_fade = (int64_t)(s->gaze_fade * 1e9),
+                               .glide_speed = s->glide_speed * 1e3};
+}
+
+void gw_tracker_reset(gw_tracker *tracker) {
+    memset(tracker->clocks, 0, sizeof tracker->clocks);
+    memset(tracker->heads, 0, sizeof tracker->heads);
+    memset(tracker->gazes, 0, sizeof tracker->gazes);
+    for (int i = 0; i < GW_TRACK_VIEWERS; i++)
+        gw_gaze_filter_begin(&tracker->gazes[i].filter, &tracker->tuning.gaze);
+}
+
+gw_code gw_tracker_create(const gw_tracker_setup *setup, const gw_tracker_options *options, gw_tracker **out,
+                          gw_error *error) {
+    void *memory = NULL;
+    *out = NULL;
+    gw_code code = gw_allocate(&memory, 1, sizeof(gw_tracker), "tracker", error);
+    if (code)
+        return code;
+    gw_tracker *tracker = memory;
+    tracker->setup = *setup;
+    tracker->tuning = tuning_of(options->settings);
+    tracker->adopt_first = options->adopt_first;
+    gw_tracker_set_neutral(tracker, options->neutral_eye);
+    gw_tracker_reset(tracker);
+    *out = tracker;
+    return GW_OK;
+}
+
+void gw_tracker_destroy(gw_tracker **tracker) {
+    free(*tracker);
+    *tracker = NULL;
+}
+
+void gw_tracker_set_neutral(gw_tracker *tracker, const double eye[3]) {
+    memcpy(tracker->neutral_eye, eye, sizeof tracker->neutral_eye);
+}
+
+static int is_gaze_of(const gw_tracker_viewer *viewer, int source, const gw_tracking_event *event) {
+    if (viewer->gaze_source != source)
+        return 0;
+    const int any = viewer->gaze == GW_GAZE_KIND_ANY;
+    if (event->kind == GW_EVENT_GAZE)
+        return (any || viewer->gaze == GW_GAZE_KIND_EVENTS) && viewer->gaze_viewer == event->sensor;
+    return (any || viewer->gaze == GW_GAZE_KIND_SENSOR) && viewer->gaze_sensor == event->sensor;
+}
+
+void gw_tracker_take(gw_tracker *tracker, int source, const gw_tracking_event *event) {
+    int taken = 0;
+    const int told = event->kind == GW_EVENT_POSE || event->kind == GW_EVENT_GAZE;
+    if (told && event->sensor >= 0 && source >= 0 && (uint32_t)source < tracker->setup.source_count)
+        for (uint32_t i = 0; i < tracker->setup.viewer_count && i < GW_TRACK_VIEWERS; i++) {
+            const gw_tracker_viewer *viewer = &tracker->setup.viewers[i];
+            if (event->kind == GW_EVENT_POSE && viewer->source == source &&
+                viewer->head_sensor == event->sensor) {
+                gw_head_take(tracker, i, event);
+                taken = 1;
+            }
+            if (is_gaze_of(viewer, source, event)) {
+                gw_gaze_take(tracker, i, event);
+                taken = 1;
+            }
+        }
+    tracker->counters.unassigned += taken ? 0 : 1;
+}
+
+void gw_tracker_at(const gw_tracker *tracker, int64_t now, int64_t presentation, gw_tracker_view *out) {
+    memset(out, 0, sizeof *out);
+    for (uint32_t i = 0; i < GW_TRACK_VIEWERS; i++) {
+        gw_head_at(tracker, i, now, presentation, &out->viewers[i]);
+        gw_gaze_at(tracker, i, now, presentation, &out->viewers[i]);
+    }
+}
+
+const gw_tracker_counters *gw_tracker_count(const gw_tracker *tracker) {
+    return &tracker->counters;
+}

@@ -1,0 +1,148 @@
+/* Where viewers look: gaze sensors, gaze events, or the head alone. */
+#include "tracking/quaternion.h"
+#include "tracking/tracker_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double CLOSED = 0.1;   /* of the eyes' openness; below it they do not look anywhere */
+static const double FARTHEST = 1e9; /* mm */
+static const double ahead_of_the_head[3] = {0, 0, -1};
+
+/* Of a gaze event, in wall space; 0: it cannot be told, and why is counted. */
+static int read_event(gw_tracker *tracker, uint32_t viewer, const gw_tracking_event *event,
+                      double direction[3]) {
+    const gw_room *room = &tracker->setup.sources[tracker->setup.viewers[viewer].gaze_source].room;
+    gw_gaze_channel *gaze = &tracker->gazes[viewer];
+    const double *told = event->of.gaze.direction;
+    const gw_head *head = &tracker->heads[viewer];
+    gaze->has_origin = 0;
+    if (event->of.gaze.frame == GW_GAZE_IN_HEAD) {
+        if (!head->sensor.heard) {
+            tracker->counters.headless++;
+            return 0;
+        }
+        /* Eyes turn back as the head turns on, so it is in the room that a gaze rests: it is taken there. */
+        gw_turn_vector(head->turn.last, told, direction);
+        return 1;
+    }
+    gw_room_direction(room, told, direction);
+    if (event->of.gaze.has_origin) {
+        gw_room_position(room, event->of.gaze.origin, gaze->origin);
+        gaze->has_origin = fabs(gaze->origin[0]) <= FARTHEST && fabs(gaze->origin[1]) <= FARTHEST &&
+                           fabs(gaze->origin[2]) <= FARTHEST;
+    }
+    return 1;
+}
+
+/* Of a sensor whose orientation turns (0, 0, -1) onto the gaze. */
+static int read_pose(gw_tracker *tracker, uint32_t viewer, const gw_tracking_event *event,
+                     double direction[3]) {
+    const gw_room *room = &tracker->setup.sources[tracker->setup.viewers[viewer].gaze_source].room;
+    double turn[4], place[3];
+    memcpy(turn, event->of.pose.orientation, sizeof turn);
+    if (!gw_turn_normalise(turn)) {
+        tracker->counters.not_finite++;
+        return 0;
+    }
+    gw_room_pose(room, event->of.pose.position, turn, place, turn);
+    gw_turn_vector(turn, ahead_of_the_head, direction);
+    return 1;
+}
+
+static void numbers_of(const gw_tracking_event *event, double numbers[GW_SAMPLE_NUMBERS]) {
+    memset(numbers, 0, GW_SAMPLE_NUMBERS * sizeof *numbers);
+    if (event->kind == GW_EVENT_GAZE) {
+        memcpy(numbers, event->of.gaze.direction, 3 * sizeof *numbers);
+        memcpy(numbers + 3, event->of.gaze.origin, 3 * sizeof *numbers);
+    } else {
+        memcpy(numbers, event->of.pose.orientation, 4 * sizeof *numbers);
+        memcpy(numbers + 4, event->of.pose.position, 3 * sizeof *numbers);
+    }
+}
+
+static int is_usable(const double direction[3]) {
+    const double square =
+        direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2];
+    return square > 1e-18 && square < 1e300;
+}
+
+void gw_gaze_take(gw_tracker *tracker, uint32_t viewer, const gw_tracking_event *event) {
+    gw_gaze_channel *gaze = &tracker->gazes[viewer];
+    const int is_event = event->kind == GW_EVENT_GAZE;
+    double direction[3], numbers[GW_SAMPLE_NUMBERS];
+    int64_t time;
+    if (event->quality < 0 || (is_event && event->of.gaze.openness < CLOSED)) {
+        tracker->counters.untracked++;
+        return;
+    }
+    if (!(is_event ? read_event : read_pose)(tracker, viewer, event, direction))
+        return;
+    if (!is_usable(direction)) {
+        tracker->counters.not_finite++;
+        return;
+    }
+    numbers_of(event, numbers);
+    gw_source_clock *clock = &tracker->clocks[tracker->setup.viewers[viewer].gaze_source];
+    if (!gw_sample_is_new(tracker, clock, &gaze->order, event, numbers, &gaze->sensor, &time))
+        return;
+    const uint32_t saccades = gaze->filter.saccades;
+    gw_gaze_filter_take(&gaze->filter, direction, time);
+    tracker->counters.samples++;
+    tracker->counters.saccades += gaze->filter.saccades - saccades;
+    tracker->counters.losses +=
+        gw_sensor_take(&gaze->sensor, event->arrival, time, tracker->tuning.hold_time) ? 1 : 0;
+    gaze->on_its_way = event->arrival - time;
+    gaze->quality = fmin(event->quality, 1);
+}
+
+/* Where the head points: for viewers without anything that follows their eyes. */
+static void look_ahead(const gw_tracker *tracker, uint32_t viewer, gw_viewer_view *out) {
+    const gw_head *head = &tracker->heads[viewer];
+    out->gaze_state = out->head_state;
+    out->has_gaze = out->has_head;
+    gw_turn_vector(out->head, ahead_of_the_head, out->gaze_direction);
+    out->gaze_age = out->head_age;
+    out->gaze_arrival = out->head_arrival;
+    out->gaze_wait = out->head_wait;
+    out->gaze_delay = (int64_t)(head->turn.delay * 1e9);
+}
+
+static void look_as_told(const gw_tracker *tracker, const gw_gaze_channel *gaze, int64_t now,
+                         int64_t presentation, gw_viewer_view *out) {
+    out->gaze_state = gw_sensor_phase_at(&gaze->sensor, now, tracker->tuning.hold_time);
+    if (!gaze->sensor.heard)
+        return;
+    out->has_gaze = 1;
+    memcpy(out->gaze_direction, gaze->filter.at, sizeof out->gaze_direction);
+    if (gaze->has_origin && !out->has_head)
+        memcpy(out->gaze_origin, gaze->origin, sizeof out->gaze_origin);
+    out->gaze_age = gw_not_below_0(presentation - gaze->sensor.time);
+    out->gaze_arrival = gaze->on_its_way;
+    out->gaze_wait = gw_not_below_0(now - gaze->sensor.arrival);
+    out->gaze_delay = (int64_t)(gaze->filter.delay * 1e9);
+    out->in_saccade = gaze->filter.in_saccade;
+    out->gaze_widening = gw_gaze_filter_widening(&gaze->filter, 1e-9 * (double)out->gaze_age);
+}
+
+void gw_gaze_at(const gw_tracker *tracker, uint32_t viewer, int64_t now, int64_t presentation,
+                gw_viewer_view *out) {
+    const gw_tracker_tuning *tuning = &tracker->tuning;
+    const gw_tracker_viewer *who = &tracker->setup.viewers[viewer];
+    const gw_gaze_channel *gaze = &tracker->gazes[viewer];
+    const gw_head *head = &tracker->heads[viewer];
+    memcpy(out->gaze_origin, out->eye, sizeof out->gaze_origin);
+    if (viewer >= tracker->setup.viewer_count || who->gaze == GW_GAZE_KIND_NONE)
+        return;
+    out->gaze_error = gw_tracker_gaze_error(who);
+    const double seen =
+        out->has_head ? gw_sensor_confidence(&head->sensor, now, tuning->hold_time, tuning->gaze_fade) : 1;
+    if (who->gaze == GW_GAZE_KIND_HEAD) {
+        look_ahead(tracker, viewer, out);
+        out->confidence = out->has_gaze ? seen * out->quality : 0;
+        return;
+    }
+    look_as_told(tracker, gaze, now, presentation, out);
+    const double told = gw_sensor_confidence(&gaze->sensor, now, tuning->hold_time, tuning->gaze_fade);
+    out->confidence = fmin(seen, told) * gaze->quality;
+}

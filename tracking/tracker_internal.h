@@ -1,0 +1,93 @@
+/* What the files of the tracker share: tracker.c sorts events, tracker_order.c says which samples are new and
+ * when they were taken, tracker_head.c leads the eyes, tracker_gaze.c follows the gazes. */
+#ifndef GW_TRACKING_TRACKER_INTERNAL_H
+#define GW_TRACKING_TRACKER_INTERNAL_H
+
+#include "tracking/clock_offset.h"
+#include "tracking/filter_gaze.h"
+#include "tracking/filter_position.h"
+#include "tracking/filter_turn.h"
+#include "tracking/tracker.h"
+
+enum { GW_SAMPLE_NUMBERS = 7 };
+
+/* Settings in the units of the tracker. */
+typedef struct gw_tracker_tuning {
+    gw_position_tuning place;
+    gw_turn_tuning turn;
+    gw_gaze_tuning gaze;
+    int predicts;
+    double prediction_limit; /* s, not beyond the hold time */
+    int64_t hold_time, gaze_fade;
+    double glide_speed; /* mm/s */
+} gw_tracker_tuning;
+
+/* The clock of one source. */
+typedef struct gw_source_clock {
+    gw_clock_offset offset;
+    uint32_t
+        epoch; /* rises when the clock is set anew: stamps of before mean nothing beside those of after */
+} gw_source_clock;
+
+/* What was told last by one sensor, to know the next sample as new. */
+typedef struct gw_sample_order {
+    int known;
+    uint32_t epoch;
+    int64_t stamp, arrival;
+    double numbers[GW_SAMPLE_NUMBERS];
+    int behind_known; /* the last stamp, if it lay behind `stamp` */
+    int64_t behind;
+} gw_sample_order;
+
+typedef struct gw_head {
+    gw_sample_order order;
+    gw_sensor_state sensor;
+    gw_position_filter place;
+    gw_turn_filter turn;
+    gw_glide glide;     /* to the tracked place */
+    gw_glide swing;     /* and turn: a rotation vector in its axes */
+    int64_t on_its_way; /* ns, of the newest sample */
+    double quality;
+} gw_head;
+
+typedef struct gw_gaze_channel {
+    gw_sample_order order;
+    gw_sensor_state sensor;
+    gw_gaze_filter filter;
+    int has_origin;
+    double origin[3]; /* mm */
+    int64_t on_its_way;
+    double quality;
+} gw_gaze_channel;
+
+struct gw_tracker {
+    gw_tracker_setup setup;
+    gw_tracker_tuning tuning;
+    double neutral_eye[3];
+    int adopt_first;
+    gw_source_clock clocks[GW_TRACKER_SOURCES];
+    gw_head heads[GW_TRACK_VIEWERS];
+    gw_gaze_channel gazes[GW_TRACK_VIEWERS];
+    gw_tracker_counters counters;
+};
+
+/* tracker_order.c: 1 when the sample is new; *time is when it was taken, on our clock, and after *last. */
+int gw_sample_is_new(gw_tracker *tracker, gw_source_clock *clock, gw_sample_order *order,
+                     const gw_tracking_event *event, const double numbers[GW_SAMPLE_NUMBERS],
+                     const gw_sensor_state *sensor, int64_t *time);
+
+/* tracker_head.c */
+void gw_head_take(gw_tracker *tracker, uint32_t viewer, const gw_tracking_event *event);
+void gw_head_at(const gw_tracker *tracker, uint32_t viewer, int64_t now, int64_t presentation,
+                gw_viewer_view *out);
+
+/* tracker_gaze.c: events of both kinds; gw_gaze_at() after gw_head_at(). */
+void gw_gaze_take(gw_tracker *tracker, uint32_t viewer, const gw_tracking_event *event);
+void gw_gaze_at(const gw_tracker *tracker, uint32_t viewer, int64_t now, int64_t presentation,
+                gw_viewer_view *out);
+
+static inline int64_t gw_not_below_0(int64_t time) {
+    return time > 0 ? time : 0;
+}
+
+#endif

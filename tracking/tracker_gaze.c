@@ -5,33 +5,29 @@
 #include <math.h>
 #include <string.h>
 
-static const double CLOSED = 0.1;   /* of the eyes' openness; below it they do not look anywhere */
 static const double FARTHEST = 1e9; /* mm */
-static const double ahead_of_the_head[3] = {0, 0, -1};
 
-/* Of a gaze event, in wall space; 0: it cannot be told, and why is counted. */
+/* Of a gaze event, in wall space. Eyes turn back as the head turns on, so it is in the room that a gaze
+ * rests, and there that it is filtered. 0: it cannot be told, and why is counted. */
 static int read_event(gw_tracker *tracker, uint32_t viewer, const gw_tracking_event *event,
                       double direction[3]) {
-    const gw_room *room = &tracker->setup.sources[tracker->setup.viewers[viewer].gaze_source].room;
     gw_gaze_channel *gaze = &tracker->gazes[viewer];
-    const double *told = event->of.gaze.direction;
-    const gw_head *head = &tracker->heads[viewer];
-    gaze->has_origin = 0;
-    if (event->of.gaze.frame == GW_GAZE_IN_HEAD) {
-        if (!head->sensor.heard) {
-            tracker->counters.headless++;
-            return 0;
-        }
-        /* Eyes turn back as the head turns on, so it is in the room that a gaze rests: it is taken there. */
-        gw_turn_vector(head->turn.last, told, direction);
-        return 1;
+    const gw_room *room = &tracker->setup.sources[tracker->setup.viewers[viewer].gaze_source].room;
+    const gw_head_channel *channel = &tracker->heads[viewer];
+    gw_head head;
+    gw_gaze_line line = {0};
+    memcpy(head.sensor, channel->place.last, sizeof head.sensor);
+    memcpy(head.eye, channel->place.last, sizeof head.eye);
+    memcpy(head.orientation, channel->turn.last, sizeof head.orientation);
+    if (event->of.gaze.frame == GW_GAZE_IN_HEAD && !channel->sensor.heard) {
+        tracker->counters.headless++;
+        return 0;
     }
-    gw_room_direction(room, told, direction);
-    if (event->of.gaze.has_origin) {
-        gw_room_position(room, event->of.gaze.origin, gaze->origin);
-        gaze->has_origin = fabs(gaze->origin[0]) <= FARTHEST && fabs(gaze->origin[1]) <= FARTHEST &&
-                           fabs(gaze->origin[2]) <= FARTHEST;
-    }
+    gw_gaze_of_event(event, room, channel->sensor.heard ? &head : NULL, &line);
+    memcpy(direction, line.direction, sizeof line.direction);
+    gaze->has_origin = line.has_origin && fabs(line.origin[0]) <= FARTHEST &&
+                       fabs(line.origin[1]) <= FARTHEST && fabs(line.origin[2]) <= FARTHEST;
+    memcpy(gaze->origin, line.origin, sizeof gaze->origin);
     return 1;
 }
 
@@ -46,7 +42,7 @@ static int read_pose(gw_tracker *tracker, uint32_t viewer, const gw_tracking_eve
         return 0;
     }
     gw_room_pose(room, event->of.pose.position, turn, place, turn);
-    gw_turn_vector(turn, ahead_of_the_head, direction);
+    gw_gaze_along(turn, direction);
     return 1;
 }
 
@@ -72,7 +68,7 @@ void gw_gaze_take(gw_tracker *tracker, uint32_t viewer, const gw_tracking_event 
     const int is_event = event->kind == GW_EVENT_GAZE;
     double direction[3], numbers[GW_SAMPLE_NUMBERS];
     int64_t time;
-    if (event->quality < 0 || (is_event && event->of.gaze.openness < CLOSED)) {
+    if (is_event ? !gw_gaze_is_open(event) : event->quality < 0) {
         tracker->counters.untracked++;
         return;
     }
@@ -98,10 +94,10 @@ void gw_gaze_take(gw_tracker *tracker, uint32_t viewer, const gw_tracking_event 
 
 /* Where the head points: for viewers without anything that follows their eyes. */
 static void look_ahead(const gw_tracker *tracker, uint32_t viewer, gw_viewer_view *out) {
-    const gw_head *head = &tracker->heads[viewer];
+    const gw_head_channel *head = &tracker->heads[viewer];
     out->gaze_state = out->head_state;
     out->has_gaze = out->has_head;
-    gw_turn_vector(out->head, ahead_of_the_head, out->gaze_direction);
+    gw_gaze_along(out->head, out->gaze_direction);
     out->gaze_age = out->head_age;
     out->gaze_arrival = out->head_arrival;
     out->gaze_wait = out->head_wait;
@@ -130,7 +126,7 @@ void gw_gaze_at(const gw_tracker *tracker, uint32_t viewer, int64_t now, int64_t
     const gw_tracker_tuning *tuning = &tracker->tuning;
     const gw_tracker_viewer *who = &tracker->setup.viewers[viewer];
     const gw_gaze_channel *gaze = &tracker->gazes[viewer];
-    const gw_head *head = &tracker->heads[viewer];
+    const gw_head_channel *head = &tracker->heads[viewer];
     memcpy(out->gaze_origin, out->eye, sizeof out->gaze_origin);
     if (viewer >= tracker->setup.viewer_count || who->gaze == GW_GAZE_KIND_NONE)
         return;

@@ -15,7 +15,7 @@ static const int64_t COMING_IN = 250000000; /* ns */
 static const double COMING_IN_SAMPLES = 15;
 
 /* Seconds by which the newest sample is predicted. */
-static double horizon(const gw_tracker *tracker, const gw_head *head, int64_t presentation) {
+static double horizon(const gw_tracker *tracker, const gw_head_channel *head, int64_t presentation) {
     if (!tracker->tuning.predicts)
         return 0;
     const double ahead = 1e-9 * (double)(presentation - head->sensor.time) + head->place.delay;
@@ -26,7 +26,8 @@ static double horizon(const gw_tracker *tracker, const gw_head *head, int64_t pr
 
 /* The tracked place, without glide. As the limit of the prediction is within the hold time, a sensor that is
  * silent for so long stands still before it is lost, whenever one asks. */
-static void tracked_eye(const gw_tracker *tracker, const gw_head *head, int64_t presentation, double out[3]) {
+static void tracked_eye(const gw_tracker *tracker, const gw_head_channel *head, int64_t presentation,
+                        double out[3]) {
     const double *v = head->place.velocity;
     const double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
     const double ahead = horizon(tracker, head, presentation) * (speed > FASTEST ? FASTEST / speed : 1);
@@ -36,7 +37,7 @@ static void tracked_eye(const gw_tracker *tracker, const gw_head *head, int64_t 
 
 /* What a change of state leaves between the old place and the new one shrinks at the glide speed, so the eye
  * moves faster than what it follows by that and no more. */
-static int eye_at(const gw_tracker *tracker, const gw_head *head, int64_t now, int64_t presentation,
+static int eye_at(const gw_tracker *tracker, const gw_head_channel *head, int64_t now, int64_t presentation,
                   double out[3]) {
     const gw_tracker_tuning *tuning = &tracker->tuning;
     const int64_t lost_at = gw_sensor_lost_at(&head->sensor, tuning->hold_time);
@@ -58,7 +59,7 @@ static int eye_at(const gw_tracker *tracker, const gw_head *head, int64_t now, i
 }
 
 /* The same with the head's turn, because two eyes hang on it. */
-static void turn_at(const gw_tracker *tracker, const gw_head *head, int64_t now, int64_t presentation,
+static void turn_at(const gw_tracker *tracker, const gw_head_channel *head, int64_t now, int64_t presentation,
                     double out[4]) {
     static const double ahead[4] = {0, 0, 0, 1};
     const int64_t lost_at = gw_sensor_lost_at(&head->sensor, tracker->tuning.hold_time);
@@ -77,21 +78,20 @@ static void turn_at(const gw_tracker *tracker, const gw_head *head, int64_t now,
 }
 
 /* The eye and the head's turn in wall space; 0: no pose. */
-static int read_pose(const gw_tracker *tracker, const gw_tracker_viewer *viewer,
-                     const gw_tracking_event *event, double eye[3], double head[4]) {
-    const double *position = event->of.pose.position;
-    double turn[4], place[3];
+static int read_pose(const gw_tracker *tracker, uint32_t viewer, const gw_tracking_event *event,
+                     gw_head *out) {
+    double turn[4];
     memcpy(turn, event->of.pose.orientation, sizeof turn);
     if (!gw_turn_normalise(turn))
         return 0;
-    gw_room_pose(&tracker->setup.sources[viewer->source].room, position, turn, place, turn);
-    gw_tracker_eye(viewer, place, turn, eye, head);
+    gw_head_of_pose(&tracker->setup, viewer, event->of.pose.position, turn, out);
+    const double *eye = out->eye;
     return fabs(eye[0]) <= FARTHEST && fabs(eye[1]) <= FARTHEST && fabs(eye[2]) <= FARTHEST;
 }
 
 /* A sensor that was never heard, or was lost: its filters know nothing, and the eye comes from where it is.
  */
-static void begin_anew(const gw_tracker *tracker, gw_head *head, int64_t arrival, const double eye[3],
+static void begin_anew(const gw_tracker *tracker, gw_head_channel *head, int64_t arrival, const double eye[3],
                        const double turn[4]) {
     double from[3], turn_from[4] = {0, 0, 0, 1};
     memcpy(from, tracker->neutral_eye, sizeof from);
@@ -112,28 +112,28 @@ static void begin_anew(const gw_tracker *tracker, gw_head *head, int64_t arrival
 
 void gw_head_take(gw_tracker *tracker, uint32_t viewer, const gw_tracking_event *event) {
     const int64_t hold_time = tracker->tuning.hold_time;
-    const gw_tracker_viewer *who = &tracker->setup.viewers[viewer];
-    gw_head *head = &tracker->heads[viewer];
-    double eye[3], turn[4], numbers[GW_SAMPLE_NUMBERS];
+    gw_source_clock *clock = &tracker->clocks[tracker->setup.viewers[viewer].source];
+    gw_head_channel *head = &tracker->heads[viewer];
+    double numbers[GW_SAMPLE_NUMBERS];
+    gw_head at;
     int64_t time;
     if (event->quality < 0) {
         tracker->counters.untracked++;
         return;
     }
-    if (!read_pose(tracker, who, event, eye, turn)) {
+    if (!read_pose(tracker, viewer, event, &at)) {
         tracker->counters.not_finite++;
         return;
     }
     memcpy(numbers, event->of.pose.position, 3 * sizeof *numbers);
     memcpy(numbers + 3, event->of.pose.orientation, 4 * sizeof *numbers);
-    if (!gw_sample_is_new(tracker, &tracker->clocks[who->source], &head->order, event, numbers, &head->sensor,
-                          &time))
+    if (!gw_sample_is_new(tracker, clock, &head->order, event, numbers, &head->sensor, &time))
         return;
     if (!head->sensor.heard || event->arrival > gw_sensor_lost_at(&head->sensor, hold_time))
-        begin_anew(tracker, head, event->arrival, eye, turn);
+        begin_anew(tracker, head, event->arrival, at.eye, at.orientation);
     const double dt = 1e-9 * (double)(time - head->sensor.time);
-    gw_position_filter_take(&head->place, eye, dt);
-    gw_turn_filter_take(&head->turn, turn, dt);
+    gw_position_filter_take(&head->place, at.eye, dt);
+    gw_turn_filter_take(&head->turn, at.orientation, dt);
     tracker->counters.losses += gw_sensor_take(&head->sensor, event->arrival, time, hold_time) ? 1 : 0;
     tracker->counters.samples++;
     head->on_its_way = event->arrival - time;
@@ -142,7 +142,7 @@ void gw_head_take(gw_tracker *tracker, uint32_t viewer, const gw_tracking_event 
 
 void gw_head_at(const gw_tracker *tracker, uint32_t viewer, int64_t now, int64_t presentation,
                 gw_viewer_view *out) {
-    const gw_head *head = &tracker->heads[viewer];
+    const gw_head_channel *head = &tracker->heads[viewer];
     memcpy(out->eye, tracker->neutral_eye, sizeof out->eye);
     out->head[3] = 1;
     out->head_state = gw_sensor_phase_at(&head->sensor, now, tracker->tuning.hold_time);

@@ -7,6 +7,7 @@
 #include "tracking/filter_gaze.h"
 #include "tracking/filter_position.h"
 #include "tracking/filter_turn.h"
+#include "tracking/gaze_model.h"
 #include "tracking/tracker.h"
 
 enum { GW_SAMPLE_NUMBERS = 7 };
@@ -39,7 +40,7 @@ typedef struct gw_sample_order {
     int64_t behind;
 } gw_sample_order;
 
-typedef struct gw_head {
+typedef struct gw_head_channel {
     gw_sample_order order;
     gw_sensor_state sensor;
     gw_position_filter place;
@@ -48,7 +49,7 @@ typedef struct gw_head {
     gw_glide swing;     /* and turn: a rotation vector in its axes */
     int64_t on_its_way; /* ns, of the newest sample */
     double quality;
-} gw_head;
+} gw_head_channel;
 
 typedef struct gw_gaze_channel {
     gw_sample_order order;
@@ -66,7 +67,7 @@ struct gw_tracker {
     double neutral_eye[3];
     int adopt_first;
     gw_source_clock clocks[GW_TRACKER_SOURCES];
-    gw_head heads[GW_TRACK_VIEWERS];
+    gw_head_channel heads[GW_TRACK_VIEWERS];
     gw_gaze_channel gazes[GW_TRACK_VIEWERS];
     gw_tracker_counters counters;
 };

@@ -165,7 +165,7 @@ static void check_hole(double rate, double fps, int64_t lead, const char *const 
         const int64_t now = 10 * ms + llrint(frame * 1e9 / fps);
         const gw_viewer_view view = ask(&s, now, lead), raw = ask(&whole, now, lead);
         const double t = 1e-9 * (double)(now - 3 * ms);
-        double sample[3];
+        double sample[3] = {0, 0, 0};
         newest_sample(&whole, sample);
         note_state(states, view.head_state);
         if (frame > 0) {
@@ -194,9 +194,9 @@ static void check_hole(double rate, double fps, int64_t lead, const char *const 
         raw_before = raw;
         memcpy(sample_before, sample, sizeof sample);
     }
-    const char *wanted =
-        rate > 10 || fps > 10 ? " fresh held lost returned fresh" : " fresh lost returned fresh";
-    if (strcmp(states, wanted) != 0 && strcmp(states, " fresh held lost returned fresh") != 0)
+    /* At 10 frames/s nobody may look while it is held. */
+    const int held = strcmp(states, " fresh held lost returned fresh") == 0;
+    if (!held && (fps > 10 || strcmp(states, " fresh lost returned fresh") != 0))
         fail_msg("rate %g, %g frames/s: states%s", rate, fps, states);
     assert_int_equal(gw_tracker_count(s.tracker)->losses, 2); /* head and gaze */
     gw_tracker_destroy(&s.tracker);
@@ -498,7 +498,7 @@ static void gazes_of_every_kind(void **state) {
         assert_true(apart(view.viewers[viewer].gaze_origin, view.viewers[viewer].eye) == 0);
         assert_true(view.viewers[viewer].confidence == (viewer ? 1 : 0.5));
     }
-    assert_true(view.viewers[0].gaze_error == 1 && view.viewers[1].gaze_error == 20);
+    assert_true(view.viewers[0].gaze_error < 5 && view.viewers[1].gaze_error > 15);
     assert_true(!view.viewers[2].has_gaze && view.viewers[2].has_head && !view.viewers[3].has_head);
     assert_memory_equal(view.viewers[3].eye, neutral, sizeof neutral);
     /* Closed eyes and sensors that the device does not see say nothing; nobody's numbers are counted. */

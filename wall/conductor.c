@@ -13,8 +13,8 @@
 /* --- before frame 1
  * --------------------------------------------------------------------------------------------- */
 
-static int see_death(void *link, uint32_t *tile) {
-    return gw_link_poll_lost(link, tile);
+static int see_death(void *link, gw_death *out) {
+    return gw_link_poll_lost(link, out);
 }
 
 static gw_code open_gate(gw_conductor *conductor, struct gw_rank *rank, gw_error *error) {
@@ -250,6 +250,7 @@ gw_code gw_conductor_run(gw_conductor *conductor, struct gw_rank *rank, gw_error
     uint32_t frame = 0;
     int last = 0;
     conductor->started = conductor->started ? start : 0;
+    gw_conductor_open_door(conductor, rank);
     /* An interruption ends the run after this frame, with what there is: states, rows, report. */
     for (; !last && !code && !(frame && gw_link_stop(&rank->line)); frame++) {
         char text[160];

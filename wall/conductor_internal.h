@@ -34,6 +34,10 @@ void gw_conductor_write_row(gw_conductor *conductor, uint32_t frame, const gw_co
  * the wall goes on as it was. */
 gw_code gw_conductor_reload(gw_conductor *conductor, struct gw_rank *rank, uint32_t frame, gw_error *error);
 
+/* Before the first frame of a live wall: from here on tiles that were started again can come back. What
+ * stands in the way is a warning (conductor_rejoin.c). */
+void gw_conductor_open_door(gw_conductor *conductor, struct gw_rank *rank);
+
 /* --- conductor_pictures.c: what becomes of a frame's pixels */
 
 /* Opens the video and makes room for what is drawn over the pictures. */

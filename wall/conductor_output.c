@@ -198,12 +198,14 @@ static void report_gate(gw_conductor *conductor, const struct gw_rank *rank) {
                                       .lost = tile->lost,
                                       .returned = tile->returned,
                                       .lost_frame = tile->lost_frame,
+                                      .rejoin_ms = tile->rejoin_ms,
                                       .fault = tile->fault,
                                       .processor_ms = 1e-6 * (double)tile->processor};
     }
     gw_report_tiles(conductor->report, &rank->site.layout, records);
-    gw_report_gate(conductor->report, rank->options.live, &times, gw_gate_swaps(conductor->gate),
-                   &conductor->swap_median, &conductor->swap_maximum);
+    const gw_door *door = gw_gate_door(conductor->gate);
+    gw_report_gate(conductor->report, rank->options.live, &times, door ? gw_door_refused(door) : 0,
+                   gw_gate_swaps(conductor->gate), &conductor->swap_median, &conductor->swap_maximum);
 }
 
 gw_code gw_conductor_finish(gw_conductor *conductor, struct gw_rank *rank, gw_error *error) {

@@ -1,8 +1,7 @@
-#include "wall/gate.h"
+#include "wall/gate_internal.h"
 
 #include "base/clock.h"
 #include "base/memory.h"
-#include "wall/process_state.h"
 #include "wall/wire_mpi.h"
 
 #include <inttypes.h>
@@ -18,61 +17,19 @@ enum {
     SHORT_NAP_US = 20, /* where no bell rings */
     LONG_NAP_US = 500,
     BELL_NAP_MS = 10,   /* where one does */
+    MESSAGES = 64,      /* of one tile, before the others have their turn */
     FIRST_PROBATION = 3 /* frames in a row in which a tile that was late must keep up */
 };
 static const int64_t millisecond = 1000000;
-
-typedef struct member {
-    gw_gate_tile tile;
-    gw_wire *wire; /* NULL: broken */
-    gw_process process;
-    int rank, here;      /* here: on rank 0's machine, so it has a bell and its process can be seen */
-    int due;             /* the frame in work is to be sent to it */
-    int outstanding;     /* it was released and has not answered */
-    int pixels_due;      /* it has answered, its pixels are coming */
-    int told, left;      /* to leave; it has left */
-    uint32_t released;   /* number of the frame into which it was released last */
-    int64_t released_at; /* ns */
-    int64_t heard;       /* ns, when something last came from it */
-    int64_t silence;     /* ns, that it has announced */
-    int64_t looked;      /* ns, when its process was looked at */
-    uint32_t kept_up;    /* frames in a row, since it was late */
-    uint32_t probation;  /* frames in a row that make it live again */
-    int pong_due;
-    uint32_t echo;
-    uint32_t site;        /* number of the site that it has */
-    uint32_t site_coming; /* and of the one that is on its way to it, if there is one */
-    int site_under_way;
-    gw_site *site_sent; /* what is on its way: a copy, because a newer one may come meanwhile */
-    gw_answer incoming;
-    size_t pixel_bytes;
-} member;
-
-struct gw_gate {
-    uint32_t count; /* tiles of the layout; member 0 is not used */
-    member *members;
-    const gw_layout *layout;
-    const gw_log *log;
-    int (*died)(void *context, uint32_t *tile);
-    void *died_context;
-    int live;
-    int64_t silence, looked, nap;
-    uint32_t next; /* number of the next frame */
-    gw_site *site; /* the one that holds, once it is not the one of the start any more */
-    uint32_t site_epoch;
-    gw_release current; /* of the frame in work */
-    gw_bell bell;
-    gw_swap_skew swaps;
-};
 
 /* --- making
  * ----------------------------------------------------------------------------------------------------- */
 
 static gw_code add_member(gw_gate *gate, uint32_t tile, const gw_acquaintance *known, gw_error *error) {
-    member *m = &gate->members[tile];
+    gw_gate_member *m = &gate->members[tile];
     const gw_rectangle *rectangle = &gate->layout->tiles[tile].rectangle;
     m->rank = (int)tile;
-    m->here = known[tile].machine == known[0].machine;
+    m->here = m->bell = known[tile].machine == known[0].machine;
     m->probation = FIRST_PROBATION;
     if (m->here)
         m->process = gw_process_find(known[tile].process);
@@ -117,12 +74,13 @@ void gw_gate_destroy(gw_gate **gate) {
     if (!*gate)
         return;
     for (uint32_t i = 1; (*gate)->members && i < (*gate)->count; i++) {
-        member *m = &(*gate)->members[i];
+        gw_gate_member *m = &(*gate)->members[i];
         if (m->wire)
             m->wire->close(m->wire);
         free(m->tile.pixels);
         free(m->site_sent);
     }
+    gw_door_close(&(*gate)->door);
     free((*gate)->site);
     free((*gate)->members);
     gw_swap_skew_finish(&(*gate)->swaps);
@@ -142,30 +100,29 @@ gw_swap_skew *gw_gate_swaps(gw_gate *gate) {
 /* --- faults
  * ----------------------------------------------------------------------------------------------------- */
 
-static void tell(const gw_gate *gate, const member *m, const char *what) {
+void gw_gate_tell(const gw_gate *gate, const gw_gate_member *m, const char *what) {
     gw_log_write(gate->log, GW_LOG_WARNING, "tile %s (rank %d) %s frame %" PRIu32 ": %s",
                  gate->layout->tiles[m->rank].name, m->rank, what,
                  gate->current.state.frame + (m->tile.state == GW_TILE_LOST && m->tile.complete),
                  m->tile.fault);
 }
 
-static void name_fault(member *m, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void name_fault(member *m, const char *format, ...) {
+void gw_gate_name_fault(gw_gate_member *m, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(m->tile.fault, sizeof m->tile.fault, format, arguments);
     va_end(arguments);
 }
 
-static void lose(gw_gate *gate, member *m) {
+static void lose(gw_gate *gate, gw_gate_member *m) {
     m->tile.state = GW_TILE_LOST;
     m->tile.lost_frame = gate->current.number + (m->tile.complete != 0);
     m->tile.lost++;
     m->kept_up = 0;
-    tell(gate, m, "is lost since");
+    gw_gate_tell(gate, m, "is lost since");
 }
 
-static void break_wire(gw_gate *gate, member *m, const char *why) {
+static void break_wire(gw_gate *gate, gw_gate_member *m, const char *why) {
     m->wire->close(m->wire);
     m->wire = NULL;
     m->outstanding = m->pixels_due = 0;
@@ -173,60 +130,61 @@ static void break_wire(gw_gate *gate, member *m, const char *why) {
     m->site = 0;
     m->site_under_way = 0;
     if (m->tile.state != GW_TILE_LOST) {
-        name_fault(m, "%s", why);
+        gw_gate_name_fault(m, "%s", why);
         lose(gate, m);
     }
 }
 
 void gw_gate_tile_died(gw_gate *gate, uint32_t tile, const char *how) {
-    member *m = tile > 0 && tile < gate->count ? &gate->members[tile] : NULL;
+    gw_gate_member *m = tile > 0 && tile < gate->count ? &gate->members[tile] : NULL;
     if (m && m->wire && !m->left)
         break_wire(gate, m, how);
 }
 
 /* Silent beyond its time: says what can be seen of it. */
-static void lose_silent(gw_gate *gate, member *m, int64_t now) {
+static void lose_silent(gw_gate *gate, gw_gate_member *m, int64_t now) {
     const double seconds = (double)(now - m->heard) * 1e-9;
     switch (m->here ? gw_process_look(&m->process) : GW_PROCESS_UNKNOWN) {
     case GW_PROCESS_GONE:
         break_wire(gate, m, "its process died");
         return;
     case GW_PROCESS_STOPPED:
-        name_fault(m, "its process is stopped; nothing came from it for %.1f s", seconds);
+        gw_gate_name_fault(m, "its process is stopped; nothing came from it for %.1f s", seconds);
         break;
     case GW_PROCESS_RUNS:
-        name_fault(m, "it hangs: its process runs, but its drawing did not go on for %.1f s", seconds);
+        gw_gate_name_fault(m, "it hangs: its process runs, but its drawing did not go on for %.1f s",
+                           seconds);
         break;
     case GW_PROCESS_UNKNOWN:
-        name_fault(m, "nothing came from it for %.1f s: it hangs, is stopped, or its host is cut off",
-                   seconds);
+        gw_gate_name_fault(m, "nothing came from it for %.1f s: it hangs, is stopped, or its host is cut off",
+                           seconds);
     }
     lose(gate, m);
 }
 
-static void note_late(gw_gate *gate, member *m, int64_t now) {
+static void note_late(gw_gate *gate, gw_gate_member *m, int64_t now) {
     m->tile.state = GW_TILE_LATE;
     m->kept_up = 0;
     if (m->here && gw_process_look(&m->process) == GW_PROCESS_STOPPED)
-        name_fault(m, "its process is stopped; the others go on without it");
+        gw_gate_name_fault(m, "its process is stopped; the others go on without it");
     else if (now - m->heard > DEAF_MS * millisecond)
-        name_fault(m, "nothing was heard of it for %.0f ms; the others go on without it",
-                   (double)(now - m->heard) * 1e-6);
+        gw_gate_name_fault(m, "nothing was heard of it for %.0f ms; the others go on without it",
+                           (double)(now - m->heard) * 1e-6);
     else
-        name_fault(m, "it is slow, at work for %.0f ms; the others go on without it",
-                   (double)(now - m->released_at) * 1e-6);
-    tell(gate, m, "is late since");
+        gw_gate_name_fault(m, "it is slow, at work for %.0f ms; the others go on without it",
+                           (double)(now - m->released_at) * 1e-6);
+    gw_gate_tell(gate, m, "is late since");
 }
 
 /* --- listening
  * -------------------------------------------------------------------------------------------------- */
 
-static void ring(const gw_gate *gate, const member *m) {
-    if (m->here)
+static void ring(const gw_gate *gate, const gw_gate_member *m) {
+    if (m->bell)
         gw_bell_ring(&gate->bell, m->rank);
 }
 
-static gw_wire_result send(gw_gate *gate, member *m, gw_release *release) {
+static gw_wire_result send(gw_gate *gate, gw_gate_member *m, gw_release *release) {
     release->clock = gw_now_ns();
     gw_wire_result result = m->wire->send(m->wire, release, sizeof *release);
     if (result == GW_WIRE_DONE)
@@ -236,7 +194,7 @@ static gw_wire_result send(gw_gate *gate, member *m, gw_release *release) {
     return result;
 }
 
-static void send_pong(gw_gate *gate, member *m, int64_t silence) {
+static void send_pong(gw_gate *gate, gw_gate_member *m, int64_t silence) {
     gw_release pong = {.kind = GW_RELEASE_PONG,
                        .number = gate->current.number,
                        .silence_ms = (uint32_t)(silence / millisecond),
@@ -249,15 +207,15 @@ static void send_pong(gw_gate *gate, member *m, int64_t silence) {
 }
 
 /* A tile that was given up has spoken. */
-static void take_back(gw_gate *gate, member *m) {
+static void take_back(gw_gate *gate, gw_gate_member *m) {
     m->tile.state = GW_TILE_LATE;
     m->tile.returned++;
-    name_fault(m, "was lost, and came back");
-    tell(gate, m, "takes part again from");
+    gw_gate_name_fault(m, "was lost, and came back");
+    gw_gate_tell(gate, m, "takes part again from");
 }
 
 /* The frame in work is whole on this tile. */
-static void complete(gw_gate *gate, member *m) {
+static void complete(gw_gate *gate, gw_gate_member *m) {
     m->outstanding = m->pixels_due = 0;
     m->tile.complete = m->released == gate->current.number;
     if (m->tile.state != GW_TILE_LATE)
@@ -271,16 +229,18 @@ static void complete(gw_gate *gate, member *m) {
     }
 }
 
-static void take_presented(gw_gate *gate, member *m) {
+static void take_presented(gw_gate *gate, gw_gate_member *m) {
     const gw_answer *answer = &m->incoming;
     /* A picture that a late tile shows after its time is no part of the wall's swap. */
     const uint32_t next = answer->kind == GW_ANSWER_LEFT ? gate->next : answer->number;
     m->tile.presented += answer->presented > 0;
+    if (answer->presented && answer->rejoin_ms)
+        m->tile.rejoin_ms = answer->rejoin_ms;
     if (answer->presented && answer->presented == next)
         gw_swap_skew_note(&gate->swaps, answer->presented - 1, answer->presented_at, answer->clock_error);
 }
 
-static void take_answer(gw_gate *gate, member *m) {
+static void take_answer(gw_gate *gate, gw_gate_member *m) {
     gw_answer *answer = &m->incoming;
     m->silence = answer->silence_ms * millisecond;
     m->tile.processor = answer->processor;
@@ -305,7 +265,7 @@ static void take_answer(gw_gate *gate, member *m) {
         complete(gate, m);
 }
 
-static int announce_site(gw_gate *gate, member *m) {
+static int announce_site(gw_gate *gate, gw_gate_member *m) {
     gw_error error = {0};
     gw_release word = {.kind = GW_RELEASE_SITE,
                        .number = gate->current.number,
@@ -324,7 +284,7 @@ static int announce_site(gw_gate *gate, member *m) {
 }
 
 /* 1 when it has the site of the frame in work, or needs none; else sends what it can of it. */
-static int has_site(gw_gate *gate, member *m) {
+static int has_site(gw_gate *gate, gw_gate_member *m) {
     if (m->site == gate->current.site)
         return 1;
     if (!m->site_under_way && !announce_site(gate, m))
@@ -340,7 +300,7 @@ static int has_site(gw_gate *gate, member *m) {
 }
 
 /* Sends it the frame in work, unless something else is still on its way to it. */
-static void send_due(gw_gate *gate, member *m) {
+static void send_due(gw_gate *gate, gw_gate_member *m) {
     if (!m->due || !has_site(gate, m) || send(gate, m, &gate->current) != GW_WIRE_DONE)
         return;
     m->due = 0;
@@ -351,9 +311,9 @@ static void send_due(gw_gate *gate, member *m) {
 }
 
 /* Everything that has come from one tile; 1 when something had. */
-static int listen_to(gw_gate *gate, member *m) {
+static int listen_to(gw_gate *gate, gw_gate_member *m) {
     int moved = 0;
-    while (m->wire && !m->left) {
+    for (int turn = 0; turn < MESSAGES && m->wire && !m->left; turn++) {
         size_t size = 0;
         int block = m->pixels_due;
         gw_wire_result result = block ? m->wire->receive_block(m->wire, m->tile.pixels, m->pixel_bytes)
@@ -380,7 +340,7 @@ static int listen_to(gw_gate *gate, member *m) {
     return moved;
 }
 
-static int is_listened_to(const gw_gate *gate, const member *m) {
+static int is_listened_to(const gw_gate *gate, const gw_gate_member *m) {
     return m->wire && !m->left && (m->tile.state != GW_TILE_LOST || gate->live);
 }
 
@@ -388,16 +348,20 @@ static int is_listened_to(const gw_gate *gate, const member *m) {
 static int look(gw_gate *gate) {
     int moved = 0;
     int64_t now = gw_now_ns(), deaf = now - gate->looked;
-    uint32_t dead;
-    while (gate->died && gate->died(gate->died_context, &dead))
-        gw_gate_tile_died(gate, dead, "its process died");
+    gw_death death;
+    while (gate->died && gate->died(gate->died_context, &death))
+        /* What is told of an earlier start of the tile comes too late. */
+        if (death.tile > 0 && death.tile < gate->count && gate->members[death.tile].start == death.start)
+            gw_gate_tile_died(gate, death.tile, death.how[0] ? death.how : "its process died");
     for (uint32_t i = 1; i < gate->count; i++) {
-        member *m = &gate->members[i];
+        gw_gate_member *m = &gate->members[i];
         if (deaf > DEAF_MS * millisecond)
             m->heard += deaf; /* nobody listened meanwhile */
         if (is_listened_to(gate, m))
             moved |= listen_to(gate, m);
     }
+    if (gate->door)
+        gw_gate_attend_door(gate);
     gate->looked = now;
     return moved;
 }
@@ -412,6 +376,8 @@ gw_code gw_gate_take_site(gw_gate *gate, const gw_site *site, uint32_t epoch, gw
         return code;
     *gate->site = *site;
     gate->site_epoch = epoch;
+    gate->keeper.site = gate->site;
+    gate->keeper.site_epoch = epoch;
     return GW_OK;
 }
 
@@ -426,7 +392,7 @@ void gw_gate_release(gw_gate *gate, gw_release *release) {
         gate->members[i].tile.complete = gate->members[i].due = 0;
     look(gate);
     for (uint32_t i = 1; i < gate->count; i++) {
-        member *m = &gate->members[i];
+        gw_gate_member *m = &gate->members[i];
         if (!m->wire || m->left || m->tile.state == GW_TILE_LOST)
             continue;
         if (!m->outstanding) {
@@ -440,18 +406,18 @@ void gw_gate_release(gw_gate *gate, gw_release *release) {
 void gw_gate_attend(gw_gate *gate, int64_t silence) {
     look(gate);
     for (uint32_t i = 1; i < gate->count && silence; i++) {
-        member *m = &gate->members[i];
+        gw_gate_member *m = &gate->members[i];
         if (is_listened_to(gate, m))
             send_pong(gate, m, silence + gate->silence);
     }
 }
 
 /* Something is to come from it. */
-static int is_busy(const member *m) {
+static int is_busy(const gw_gate_member *m) {
     return m->wire && (m->outstanding || m->due) && m->tile.state != GW_TILE_LOST;
 }
 
-static int is_waited_for(const gw_gate *gate, const member *m, const gw_patience *patience) {
+static int is_waited_for(const gw_gate *gate, const gw_gate_member *m, const gw_patience *patience) {
     if (!is_busy(m))
         return 0;
     return !patience->live ||
@@ -463,7 +429,7 @@ static uint32_t judge(gw_gate *gate, const gw_patience *patience, int64_t begin)
     uint32_t waiting = 0;
     int64_t now = gw_now_ns();
     for (uint32_t i = 1; i < gate->count; i++) {
-        member *m = &gate->members[i];
+        gw_gate_member *m = &gate->members[i];
         if (!is_busy(m))
             continue;
         if (now - m->heard > (m->silence > patience->death ? m->silence : patience->death)) {
@@ -486,17 +452,24 @@ static uint32_t judge(gw_gate *gate, const gw_patience *patience, int64_t begin)
 
 /* Until something comes. */
 static void rest(gw_gate *gate, int moved, int64_t until) {
+    struct pollfd lines[GW_MAXIMUM_TILES];
+    nfds_t line_count = 0;
     int bells = 1;
     for (uint32_t i = 1; i < gate->count; i++) {
-        const member *m = &gate->members[i];
-        if (is_busy(m) && (!m->here || m->due || m->pixels_due))
+        const gw_gate_member *m = &gate->members[i];
+        if (!is_busy(m))
+            continue;
+        const int line = m->wire->descriptor >= 0;
+        if (line)
+            lines[line_count++] = (struct pollfd){.fd = m->wire->descriptor, .events = POLLIN};
+        if (m->due || (!line && (!m->bell || m->pixels_due)))
             bells = 0;
     }
     const int64_t most = bells ? BELL_NAP_MS * 1000 : LONG_NAP_US, least = bells ? most : SHORT_NAP_US;
     gate->nap = moved || gate->nap < least ? least : 2 * gate->nap;
     gate->nap = gate->nap > most ? most : gate->nap;
     int64_t left = until - gw_now_ns(), nap = 1000 * gate->nap;
-    gw_bell_wait(&gate->bell, left < 0 ? 0 : left < nap ? left : nap, NULL, 0);
+    gw_bell_wait(&gate->bell, left < 0 ? 0 : left < nap ? left : nap, lines, line_count);
 }
 
 void gw_gate_collect(gw_gate *gate, const gw_patience *patience) {
@@ -510,7 +483,7 @@ void gw_gate_collect(gw_gate *gate, const gw_patience *patience) {
             rest(gate, moved, patience->live ? begin + patience->frame : INT64_MAX);
     }
     for (uint32_t i = 1; i < gate->count; i++) {
-        member *m = &gate->members[i];
+        gw_gate_member *m = &gate->members[i];
         int released = m->outstanding && m->released == gate->current.number;
         m->tile.missed = m->tile.complete                ? GW_MISSED_NOT
                          : m->tile.state == GW_TILE_LOST ? GW_MISSED_LOST
@@ -526,7 +499,7 @@ static uint32_t say_quit(gw_gate *gate) {
     gw_release quit = {.kind = GW_RELEASE_QUIT, .number = gate->next};
     uint32_t waiting = 0;
     for (uint32_t i = 1; i < gate->count; i++) {
-        member *m = &gate->members[i];
+        gw_gate_member *m = &gate->members[i];
         if (!m->wire || m->left)
             continue;
         /* A lost one may only be slow: the word waits for it in its queue. */

@@ -5,16 +5,18 @@
  * costs the others one deadline, once. A frame either waits until every live tile has it (lock-step), or goes
  * on at its deadline without those that are late (live); a tile that was late is not waited for again until
  * it has kept up for a while, and skips to the newest frame whenever it comes back. A tile from which nothing
- * comes, not even a beat, is lost. Rank 0's own tile is not part of the gate. The thread that called
- * MPI_Init. */
+ * comes, not even a beat, is lost; started again, it comes back by TCP (wall/gate_door.h). Rank 0's own tile
+ * is not part of the gate. The thread that called MPI_Init. */
 #ifndef GW_WALL_GATE_H
 #define GW_WALL_GATE_H
 
 #include "base/log.h"
 #include "base/status.h"
 #include "wall/bell.h"
+#include "wall/gate_door.h"
 #include "wall/gate_message.h"
 #include "wall/layout.h"
+#include "wall/link.h"
 #include "wall/share.h"
 #include "wall/site.h"
 #include "wall/swap_skew.h"
@@ -33,15 +35,17 @@ typedef enum gw_tile_missed {
 
 /* Rank 0's view of one other tile. */
 typedef struct gw_gate_tile {
-    gw_tile_state state;   /* LATE: it missed a frame and has not kept up since */
-    uint32_t lost_frame;   /* number of the frame at which it was last declared lost */
-    uint32_t late;         /* frames into which it was released and that went on without it */
-    uint32_t skipped;      /* frames into which it was not released, because it had not come back yet */
-    uint32_t presented;    /* frames that it showed */
-    uint32_t lost;         /* times that it was declared lost */
-    uint32_t returned;     /* times that it came back after that */
-    char fault[256];       /* what was wrong with it last; "": nothing ever */
-    int complete;          /* this frame's answer and pixels are here */
+    gw_tile_state state; /* LATE: it missed a frame and has not kept up since */
+    uint32_t lost_frame; /* number of the frame at which it was last declared lost */
+    uint32_t late;       /* frames into which it was released and that went on without it */
+    uint32_t skipped;    /* frames into which it was not released, because it had not come back yet */
+    uint32_t presented;  /* frames that it showed */
+    uint32_t lost;       /* times that it was declared lost */
+    uint32_t returned;   /* times that it came back after that */
+    uint32_t
+        rejoin_ms;   /* from the start of its process to its first presented frame, if it was started again */
+    char fault[256]; /* what was wrong with it last; "": nothing ever */
+    int complete;    /* this frame's answer and pixels are here */
     gw_tile_missed missed; /* after collecting: why they are not */
     gw_done done;          /* this frame's answer */
     int64_t processor;     /* ns that its process has used of its processors */
@@ -64,8 +68,8 @@ typedef struct gw_gate_options {
     int64_t silence;  /* ns: rank 0 will be heard at least so often by a tile that is released or waits */
     int64_t deadline; /* gw_now_ns clock, of the meeting */
     uint32_t frames;  /* of the run */
-    /* 1 and a tile whose process another witness saw end, each once; or NULL. */
-    int (*died)(void *context, uint32_t *tile);
+    /* 1 and the end of a tile's process that another witness saw, each once; or NULL. */
+    int (*died)(void *context, gw_death *out);
     void *died_context;
     const gw_log *log;
 } gw_gate_options;
@@ -93,6 +97,12 @@ void gw_gate_quit(gw_gate *gate);
 /* Waits for those that are not lost to have taken it, at most 2 s. */
 void gw_gate_wait_until_left(gw_gate *gate);
 const gw_gate_tile *gw_gate_tile_of(const gw_gate *gate, uint32_t tile);
+/* Tiles that were started again come in from now on, at a port of the address; site: the one in force,
+ * borrowed until gw_gate_take_site. Only in live mode; before the first frame. */
+gw_code gw_gate_open_door(gw_gate *gate, const gw_door_options *options, const gw_site *site,
+                          gw_error *error);
+/* NULL when there is none. */
+const gw_door *gw_gate_door(const gw_gate *gate);
 /* When the tiles presented the frames; rank 0 adds its own. */
 gw_swap_skew *gw_gate_swaps(gw_gate *gate);
 

@@ -12,7 +12,8 @@ enum {
     SHORT_NAP_US = 20,
     LONG_NAP_US = 500, /* where no bell rings */
     BELL_NAP_MS = 10,
-    LEAVE_MS = 2000
+    LEAVE_MS = 2000,
+    JOIN_MS = 10000 /* until rank 0 is heard for the first time */
 };
 static const int64_t millisecond = 1000000;
 
@@ -33,6 +34,16 @@ gw_code gw_gate_client_open(gw_gate_client *client, const gw_share *share, int r
     return code;
 }
 
+void gw_gate_client_join(gw_gate_client *client, gw_wire *wire, int here, uint32_t site) {
+    client->bell.socket = -1;
+    client->wire = wire;
+    client->here = here;
+    client->site_epoch = site;
+    client->heard = client->looked = gw_now_ns();
+    client->allowed = JOIN_MS * millisecond;
+    client->offset_error = here ? 0 : -1;
+}
+
 void gw_gate_client_close(gw_gate_client *client) {
     if (client->wire)
         client->wire->close(client->wire);
@@ -41,7 +52,7 @@ void gw_gate_client_close(gw_gate_client *client) {
 }
 
 static void rest(gw_gate_client *client, int busy) {
-    const int bell = client->here && !busy;
+    const int bell = (client->bell.socket >= 0 || client->wire->descriptor >= 0) && !busy;
     const int64_t most = bell ? BELL_NAP_MS * 1000 : LONG_NAP_US, least = bell ? most : SHORT_NAP_US;
     client->nap = client->nap < least ? least : 2 * client->nap;
     client->nap = client->nap > most ? most : client->nap;
@@ -112,12 +123,13 @@ static gw_wire_result send_answer(gw_gate_client *client, gw_answer *answer) {
         answer->presented = client->presented;
         answer->presented_at = client->presented_at + client->offset;
         answer->clock_error = client->offset_error;
+        answer->rejoin_ms = client->rejoin_ms;
     }
     gw_wire_result result = client->wire->send(client->wire, answer, gw_answer_size(answer));
-    if (result == GW_WIRE_DONE && client->here)
+    if (result == GW_WIRE_DONE && client->bell.socket >= 0)
         gw_bell_ring(&client->bell, 0);
     if (result == GW_WIRE_DONE && answer->kind != GW_ANSWER_BEAT)
-        client->presented = 0;
+        client->presented = client->rejoin_ms = 0;
     return result;
 }
 

@@ -15,7 +15,7 @@
 
 typedef struct gw_gate_client {
     gw_wire *wire;
-    gw_bell bell;                   /* socket -1: rank 0 is on another machine */
+    gw_bell bell;                   /* socket -1: rank 0 is on another machine, or the wire wakes by itself */
     int here;                       /* rank 0's machine, so rank 0's clock */
     int64_t heard, looked, allowed; /* ns: rank 0 was heard, was listened to, may be silent */
     uint32_t beat;                  /* number of the last beat; 0: none yet */
@@ -31,7 +31,9 @@ typedef struct gw_gate_client {
     uint32_t number;      /* of the frame in work */
     uint32_t presented;   /* what goes with the next answer */
     int64_t presented_at; /* ns of this clock */
-    int64_t nap;          /* us */
+    uint32_t rejoin_ms; /* goes with the next answer, too: how long a tile that was started again took to its
+                           first frame; 0: nothing is to be told */
+    int64_t nap;        /* us */
     /* How rank 0 was lost, if another witness saw it; NULL: it was not. */
     const char *(*lost)(void *context);
     void *lost_context;
@@ -42,6 +44,9 @@ typedef struct gw_gate_client {
 /* Over MPI; collective with gw_gate_create. */
 gw_code gw_gate_client_open(gw_gate_client *client, const gw_share *share, int rank, int64_t deadline,
                             gw_error *error);
+/* Over a wire of its own, for a tile that was started again; the client owns it. here: it is rank 0's
+ * machine, so its clock; site: number of the one that the tile has. */
+void gw_gate_client_join(gw_gate_client *client, gw_wire *wire, int here, uint32_t site);
 void gw_gate_client_close(gw_gate_client *client);
 
 /* Waits for the next frame or the word to leave. GW_ENDED_EARLY when rank 0 is lost. */

@@ -57,11 +57,14 @@ typedef enum gw_answer_kind {
 
 typedef struct gw_answer {
     uint32_t kind;
-    uint32_t number;      /* of the release that is answered, or being worked on */
-    uint32_t beat;        /* BEAT: its number, from 1 */
-    uint32_t silence_ms;  /* nothing may be heard for so long, because a kernel is compiled; 0: as usual */
-    uint32_t presented;   /* number + 1 of the frame that was presented at this release; 0: none was */
-    uint32_t pixels;      /* DONE: 1: pixels follow */
+    uint32_t number;     /* of the release that is answered, or being worked on */
+    uint32_t beat;       /* BEAT: its number, from 1 */
+    uint32_t silence_ms; /* nothing may be heard for so long, because a kernel is compiled; 0: as usual */
+    uint32_t presented;  /* number + 1 of the frame that was presented at this release; 0: none was */
+    uint32_t pixels;     /* DONE: 1: pixels follow */
+    uint32_t rejoin_ms; /* with `presented`, of a tile that was started again and shows its first frame: since
+                           its process began; else 0 */
+    uint32_t reserved;  /* 0 */
     int64_t presented_at; /* ns of rank 0's clock: when presenting it returned */
     int64_t clock_error;  /* ns, by which that may be wrong; 0: the same clock */
     int64_t processor;    /* ns that the process has used of its processors */

@@ -29,7 +29,7 @@ enum { GRACE_MS = 2000, TERMINATION_MS = 15000, POLL_MS = 200, FINISH_S = 15, EC
 /* --- starting
  * ---------------------------------------------------------------------------------------------------- */
 
-static gw_code own_path(char path[4096], gw_error *error) {
+gw_code gw_launcher_path(char path[4096], gw_error *error) {
     ssize_t length = readlink("/proc/self/exe", path, 4095);
     if (length < 0)
         return gw_fail(error, GW_MACHINE, "the program's own path cannot be read from /proc/self/exe: %s",
@@ -43,7 +43,7 @@ static gw_code own_path(char path[4096], gw_error *error) {
 static gw_code make_command(const gw_launch_plan *plan, const gw_link_listener *listener, const gw_log *log,
                             gw_words *out, gw_error *error) {
     char path[4096];
-    gw_code code = own_path(path, error);
+    gw_code code = gw_launcher_path(path, error);
     if (code)
         return code;
     const gw_mpirun_plan how = {.site = plan->site,
@@ -66,8 +66,10 @@ static gw_code make_command(const gw_launch_plan *plan, const gw_link_listener *
 gw_code gw_launch_show(const gw_launch_plan *plan, gw_error *error) {
     gw_words words = {0};
     gw_code code = make_command(plan, NULL, NULL, &words, error);
-    if (!code)
-        gw_mpirun_print(&words);
+    if (!code) {
+        gw_words_print(&words, stdout);
+        putchar('\n');
+    }
     gw_words_finish(&words);
     return code;
 }
@@ -149,20 +151,20 @@ static gw_code start(gw_launcher *l, gw_error *error) {
 /* --- watching
  * ---------------------------------------------------------------------------------------------------- */
 
-/* A line that mpirun printed. Its noise about ranks that left without MPI_Finalize, as ours do, is for those
- * who look for trouble; anything else comes from a library or a sanitizer inside a rank and is worth seeing.
- */
-static void show_noise(gw_launcher *l, const char *text, int length) {
+/* A line that mpirun printed, or a tile that was started again. MPI's noise about ranks that left without
+ * MPI_Finalize, as ours do, is for those who look for trouble; anything else comes from a library or a
+ * sanitizer inside a rank, or from the agent, and is worth seeing. */
+static void show_noise(gw_launcher *l, const char *who, const char *text, int length) {
     if (length > 0)
         gw_log_write(&l->console->log,
                      memmem(text, (size_t)length, "PMIX ERROR", 10) ? GW_LOG_DEBUG : GW_LOG_WARNING,
-                     "mpirun: %.*s", length, text);
+                     "%s: %.*s", who, length, text);
 }
 
-static void read_output(gw_launcher *l) {
+static void read_output(gw_launcher *l, int *from, const char *who) {
     char buffer[1024];
-    ssize_t size;
-    while ((size = read(l->output, buffer, sizeof buffer)) > 0) {
+    ssize_t size = -1;
+    while (*from >= 0 && (size = read(*from, buffer, sizeof buffer)) > 0) {
         /* Before any rank has spoken it is mpirun itself: kept for blame_mpirun(). */
         if (l->greeted_count == 0) {
             size_t room = sizeof l->noise - 1 - l->noise_size,
@@ -174,13 +176,13 @@ static void read_output(gw_launcher *l) {
         for (char *at = buffer, *end = buffer + size; at < end;) {
             char *stop = memchr(at, '\n', (size_t)(end - at));
             stop = stop ? stop : end;
-            show_noise(l, at, (int)(stop - at));
+            show_noise(l, who, at, (int)(stop - at));
             at = stop + 1;
         }
     }
     if (size == 0) {
-        close(l->output);
-        l->output = -1;
+        close(*from);
+        *from = -1;
     }
 }
 
@@ -207,7 +209,8 @@ void gw_launcher_reap(gw_launcher *l) {
         if (ended == l->mpirun) {
             l->mpirun_ended = 1;
             l->mpirun_status = status;
-        }
+        } else
+            gw_launcher_restart_ended(l, ended);
 }
 
 static void read_signals(gw_launcher *l) {
@@ -219,7 +222,7 @@ static void read_signals(gw_launcher *l) {
 }
 
 static void step(gw_launcher *l, int timeout) {
-    struct pollfd wait[GW_MAXIMUM_TILES + GW_LAUNCHER_STRANGERS + 4];
+    struct pollfd wait[GW_MAXIMUM_TILES + GW_LAUNCHER_STRANGERS + 5];
     nfds_t count = 0;
     /* A negative descriptor is one that poll() passes over. */
     const int room = l->stranger_count < GW_LAUNCHER_STRANGERS;
@@ -227,6 +230,7 @@ static void step(gw_launcher *l, int timeout) {
     wait[count++] = (struct pollfd){.fd = room ? l->listener.network : -1, .events = POLLIN};
     wait[count++] = (struct pollfd){.fd = l->signals, .events = POLLIN};
     wait[count++] = (struct pollfd){.fd = l->output, .events = POLLIN};
+    wait[count++] = (struct pollfd){.fd = l->restart_output[0], .events = POLLIN};
     for (uint32_t i = 0; i < l->stranger_count; i++)
         wait[count++] = (struct pollfd){.fd = l->strangers[i].line.socket, .events = POLLIN};
     for (uint32_t i = 0; i < l->tile_count; i++)
@@ -237,8 +241,9 @@ static void step(gw_launcher *l, int timeout) {
     read_signals(l);
     gw_launcher_listen(l);
     gw_launcher_ping(l);
-    if (l->output >= 0)
-        read_output(l);
+    gw_launcher_restart(l);
+    read_output(l, &l->output, "mpirun");
+    read_output(l, &l->restart_output[0], "a tile that was started again");
 }
 
 /* mpirun ended and nobody told why: it was killed, could not start the ranks, or MPI ended them. */
@@ -294,7 +299,7 @@ static void watch(gw_launcher *l) {
 
 static int all_gone(const gw_launcher *l) {
     for (uint32_t i = 0; i < l->tile_count; i++)
-        if (l->ranks[i].line.socket >= 0)
+        if (l->ranks[i].line.socket >= 0 || l->restarts[i].child)
             return 0;
     return l->mpirun_ended;
 }
@@ -309,6 +314,8 @@ static void signal_all(gw_launcher *l, int number) {
             kill(r->pid, number);
         else if (r->line.socket >= 0)
             shutdown(r->line.socket, SHUT_WR);
+        if (l->restarts[i].child)
+            kill(-l->restarts[i].child, number);
     }
     if (!l->mpirun_ended)
         kill(-l->mpirun, number);
@@ -383,6 +390,7 @@ gw_code gw_launch(const gw_launch_plan *plan, gw_error *result) {
     l.tile_count = plan->site->layout.tile_count;
     l.console = plan->console;
     l.listener.local = l.listener.network = l.signals = l.output = -1;
+    l.restart_output[0] = l.restart_output[1] = -1;
     for (int i = 0; i < GW_MAXIMUM_TILES; i++)
         l.ranks[i].line.socket = -1;
     l.result = result;

@@ -74,6 +74,7 @@ static void fail(gw_launcher *l, gw_rank_line *r, const gw_link_message *m) {
     char silent[512];
     gw_launcher_silent(l, silent);
     r->left = 1;
+    snprintf(r->failed, sizeof r->failed, "%.255s", m->text);
     /* One that waited in vain for another that does not answer is not the one to name. */
     if (!gw_launcher_all_ready(l) && m->value == GW_ENDED_EARLY && silent[0])
         gw_launcher_conclude(l, GW_ENDED_EARLY, "%s: no sign of life before the first frame", silent);
@@ -81,8 +82,9 @@ static void fail(gw_launcher *l, gw_rank_line *r, const gw_link_message *m) {
         gw_launcher_conclude(l, (gw_code)m->value, "%s", m->text);
     else if (!gw_launcher_all_ready(l))
         gw_launcher_conclude(l, (gw_code)m->value, "tile %s: %s", tile_name(l, r), m->text);
-    else /* Once all are ready, a tile that fails is rank 0's to judge. */
-        gw_log_write(&l->console->log, GW_LOG_WARNING, "tile %s: %s", tile_name(l, r), m->text);
+    else /* Once all are ready, a tile that fails is rank 0's to judge; after the end it is no matter. */
+        gw_log_write(&l->console->log, l->has_result ? GW_LOG_DEBUG : GW_LOG_WARNING, "tile %s: %s",
+                     tile_name(l, r), m->text);
 }
 
 static void show_progress(gw_launcher *l, const gw_rank_line *r, const gw_link_message *m) {
@@ -107,6 +109,12 @@ static void take_message(gw_launcher *l, gw_rank_line *r, const gw_link_message 
         if (number_of(l, r) == 0)
             l->promised = gw_now_ns() + (int64_t)(m->fraction * 1e9);
         break;
+    case GW_LINK_DOOR:
+        if (number_of(l, r) == 0) {
+            snprintf(l->door, sizeof l->door, "%.95s", m->text);
+            l->restart_most = m->value < 0 || m->value > GW_MAXIMUM_RESTARTS ? 0 : (uint32_t)m->value;
+        }
+        break;
     case GW_LINK_PRINT:
         gw_console_finish(l->console);
         puts(m->text);
@@ -128,29 +136,38 @@ static void take_message(gw_launcher *l, gw_rank_line *r, const gw_link_message 
     }
 }
 
+/* The ranks die with mpirun, and are not to blame; its own end may be told a moment after theirs. */
+static void blame_rank(gw_launcher *l, const char *text) {
+    for (int turn = 0; turn < 20 && !l->mpirun_ended; turn++) {
+        poll(NULL, 0, 10);
+        gw_launcher_reap(l);
+    }
+    if (!gw_launcher_mpirun_killed(l))
+        gw_launcher_conclude(l, GW_ENDED_EARLY, "%s", text);
+}
+
 static void lost_rank(gw_launcher *l, gw_rank_line *r, int how) {
     gw_line_close(&r->line);
     r->silent = 0;
-    if (r->left || l->has_result)
+    const int vital = number_of(l, r) == 0 || !gw_launcher_all_ready(l);
+    if (l->has_result || (r->left && (vital || !r->failed[0])))
         return;
-    char text[512], name[160];
-    const char *when = gw_launcher_all_ready(l) ? "on the way" : "before the first frame";
-    if (how)
-        snprintf(text, sizeof text, "%s was cut off %s: %s", name_rank(l, r, name), when, strerror(how));
-    else
-        snprintf(text, sizeof text, "%s died %s", name_rank(l, r, name), when);
-    if (number_of(l, r) == 0 || !gw_launcher_all_ready(l)) {
-        /* The ranks die with mpirun, and are not to blame; its own end may be told a moment after theirs. */
-        for (int turn = 0; turn < 20 && !l->mpirun_ended; turn++) {
-            poll(NULL, 0, 10);
-            gw_launcher_reap(l);
+    if (!r->left) {
+        char text[512], name[160];
+        const char *when = gw_launcher_all_ready(l) ? "on the way" : "before the first frame";
+        if (how)
+            snprintf(text, sizeof text, "%s was cut off %s: %s", name_rank(l, r, name), when, strerror(how));
+        else
+            snprintf(text, sizeof text, "%s died %s", name_rank(l, r, name), when);
+        if (vital) {
+            blame_rank(l, text);
+            return;
         }
-        if (!gw_launcher_mpirun_killed(l))
-            gw_launcher_conclude(l, GW_ENDED_EARLY, "%s", text);
-        return;
+        gw_log_write(&l->console->log, GW_LOG_WARNING, "%s", text);
     }
-    gw_log_write(&l->console->log, GW_LOG_WARNING, "%s", text);
-    gw_line_send(&l->ranks[0].line, GW_LINK_LOST, number_of(l, r), 0, "", 0);
+    /* Rank 0 learns it before anything that is started again can knock at its door. */
+    gw_line_send(&l->ranks[0].line, GW_LINK_LOST, number_of(l, r), r->start, r->failed, 0);
+    gw_launcher_want_restart(l, (uint32_t)number_of(l, r));
 }
 
 static void read_rank(gw_launcher *l, gw_rank_line *r) {
@@ -175,43 +192,62 @@ static void drop(gw_launcher *l, gw_stranger *s, const char *why) {
     *s = l->strangers[--l->stranger_count];
 }
 
-static int same_secret(const char *a, const char *b) {
-    unsigned char difference = 0;
-    for (int i = 0; i < GW_SECRET_DIGITS; i++)
-        difference |= (unsigned char)(a[i] ^ b[i]);
-    return !difference;
+static void refuse_program(gw_launcher *l, gw_rank_line *r, int again, const char *program) {
+    char name[160], text[512];
+    snprintf(
+        text, sizeof text,
+        "%s runs another program than this machine: the executable there has hash %s, here %s; install the "
+        "same gazewall on both",
+        name_rank(l, r, name), program, l->program);
+    if (!again) {
+        gw_launcher_conclude(l, GW_MACHINE, "%s", text);
+        return;
+    }
+    gw_log_write(&l->console->log, GW_LOG_ERROR, "%s", text);
+    r->left = 1;
+    snprintf(r->failed, sizeof r->failed, "it is another program than rank 0's");
+    lost_rank(l, r, 0);
+}
+
+/* Where tiles that are started again find rank 0. */
+static const char *door_address(const gw_launcher *l) {
+    const gw_hosts *hosts = l->plan->hosts;
+    const gw_host *first = &hosts->host[hosts->of_tile[0]];
+    return !first->here ? first->address : hosts->remote ? hosts->listen : "127.0.0.1";
 }
 
 static void greet(gw_launcher *l, gw_stranger *s, const gw_link_message *m) {
     gw_hello hello;
     if (m->kind != GW_LINK_HELLO || !gw_hello_read(m->text, &hello) ||
-        !same_secret(hello.secret, l->listener.secret)) {
+        !gw_same_secret(hello.secret, l->listener.secret)) {
         drop(l, s, "it did not tell the secret of this run");
         return;
     }
     gw_rank_line *r = m->value >= 0 && m->value < (int)l->tile_count ? &l->ranks[m->value] : NULL;
-    if (!r || r->line.socket >= 0) {
+    const int again = r && r->greeted;
+    if (!r || r->line.socket >= 0 || (again && !l->restarts[m->value].pending)) {
         drop(l, s, r ? "its rank is here already" : "the wall has no tile for its rank");
         return;
     }
-    l->greeted_count += !r->greeted;
-    *r = (gw_rank_line){.line = s->line, .pid = s->pid ? s->pid : hello.pid, .here = s->pid != 0};
-    r->greeted = 1;
+    l->greeted_count += !again;
+    *r = (gw_rank_line){.line = s->line,
+                        .pid = s->pid ? s->pid : hello.pid,
+                        .here = s->pid != 0,
+                        .start = l->restarts[m->value].start,
+                        .greeted = 1,
+                        .ready = r->ready};
+    l->restarts[m->value].pending = 0;
     snprintf(r->host, sizeof r->host, "%s", hello.host);
-    l->job = hello.job;
+    if (hello.job)
+        l->job = hello.job;
     s->line.socket = -1;
     drop(l, s, NULL);
-    char name[160];
     gw_log_write(&l->console->log, GW_LOG_DEBUG, "rank %d (tile %s) is process %ld%s%s", number_of(l, r),
                  tile_name(l, r), (long)r->pid, r->here ? "" : " on ", r->here ? "" : r->host);
     if (strcmp(hello.program, l->program))
-        gw_launcher_conclude(
-            l, GW_MACHINE,
-            "%s runs another program than this machine: the executable there has hash %s, here %s; install "
-            "the same gazewall on both",
-            name_rank(l, r, name), hello.program, l->program);
-    else
-        gw_line_send(&r->line, GW_LINK_WELCOME, 0, 0, "", 0);
+        refuse_program(l, r, again, hello.program);
+    else /* Only rank 0 has a door; its site may name another address. */
+        gw_line_send(&r->line, GW_LINK_WELCOME, 0, 0, number_of(l, r) ? "" : door_address(l), 0);
 }
 
 static void take_connections(gw_launcher *l) {

@@ -1,7 +1,6 @@
 #include "wall/link.h"
 
 #include "base/clock.h"
-#include "wall/layout.h"
 
 #include <errno.h>
 #include <netdb.h>
@@ -62,14 +61,24 @@ static void send_progress(void *context, const char *what, double fraction) {
 /* --- listening
  * -------------------------------------------------------------------------------------------- */
 
+static void note_death(gw_link *link, const gw_link_message *m) {
+    if (m->value < 0 || m->value >= GW_MAXIMUM_TILES || !(m->fraction >= 0 && m->fraction <= UINT32_MAX))
+        return;
+    gw_death *death = &link->deaths[m->value];
+    pthread_mutex_lock(&link->access);
+    *death = (gw_death){.tile = (uint32_t)m->value, .start = (uint32_t)m->fraction};
+    snprintf(death->how, sizeof death->how, "%.255s", m->text);
+    pthread_mutex_unlock(&link->access);
+    atomic_fetch_or(&link->lost, 1ull << m->value);
+}
+
 static void take(gw_link *link, const gw_link_message *m) {
     switch ((gw_link_kind)m->kind) {
     case GW_LINK_PING:
         send_message(link, GW_LINK_PONG, 0, 0, "", 0);
         break;
     case GW_LINK_LOST:
-        if (m->value >= 0 && m->value < GW_MAXIMUM_TILES)
-            atomic_fetch_or(&link->lost, 1ull << m->value);
+        note_death(link, m);
         break;
     case GW_LINK_STOP:
         atomic_store(&link->stop, m->value);
@@ -115,12 +124,15 @@ static gw_code start_reader(gw_link *link, gw_error *error) {
                   : GW_OK;
 }
 
-int gw_link_poll_lost(gw_link *link, uint32_t *tile) {
+int gw_link_poll_lost(gw_link *link, gw_death *out) {
     unsigned long long lost = atomic_load(&link->lost);
     if (!lost)
         return 0;
-    *tile = (uint32_t)__builtin_ctzll(lost);
-    atomic_fetch_and(&link->lost, ~(1ull << *tile));
+    const uint32_t tile = (uint32_t)__builtin_ctzll(lost);
+    atomic_fetch_and(&link->lost, ~(1ull << tile));
+    pthread_mutex_lock(&link->access);
+    *out = link->deaths[tile];
+    pthread_mutex_unlock(&link->access);
     return 1;
 }
 
@@ -200,8 +212,10 @@ static gw_code say_hello(gw_link *link, int rank, gw_error *error) {
         int got = gw_line_receive(&link->line, &message);
         if (got < 0)
             break;
-        if (got && message.kind == GW_LINK_WELCOME)
+        if (got && message.kind == GW_LINK_WELCOME) {
+            snprintf(link->door, sizeof link->door, "%.63s", message.text);
             return GW_OK;
+        }
     }
     return gw_fail(error, GW_MACHINE, "the launcher did not welcome rank %d", rank);
 }

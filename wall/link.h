@@ -12,6 +12,7 @@
 
 #include "base/log.h"
 #include "base/status.h"
+#include "wall/layout.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -30,10 +31,13 @@ typedef enum gw_link_kind {
     GW_LINK_LEFT,     /* this rank leaves because it was told to */
     GW_LINK_RESULT,   /* rank 0: value is the run's gw_code, text the sentence if it is not 0 */
     GW_LINK_PONG,     /* the answer to a ping; a stopped process gives none */
+    GW_LINK_DOOR, /* rank 0: tiles that are started again come in at ADDRESS:PORT, which is the text; value is
+                     how often a minute each may be */
     /* from the launcher: */
-    GW_LINK_WELCOME, /* the answer to hello: go on */
+    GW_LINK_WELCOME, /* the answer to hello: go on; to rank 0: the text is the address for its door */
     GW_LINK_PING,
-    GW_LINK_LOST, /* to rank 0: value is a tile whose process is gone */
+    GW_LINK_LOST, /* to rank 0: value is a tile whose process is gone, fraction which start of it that was (0:
+                     by mpirun), text why, if it said so */
     GW_LINK_STOP, /* to rank 0: end after this frame and write what there is; value is the signal's number */
     GW_LINK_ROOT_LOST, /* to the others: rank 0 is lost, text says how; leave */
     GW_LINK_KINDS
@@ -74,6 +78,8 @@ typedef struct gw_hello {
     pid_t pid;    /* on its own host */
 } gw_hello;
 
+/* Of GW_SECRET_DIGITS bytes each, in a time that does not tell where they differ. */
+int gw_same_secret(const char *a, const char *b);
 /* GW_OK, or GW_MACHINE when /proc/self/exe cannot be read. */
 gw_code gw_program_hash(char text[33], gw_error *error);
 void gw_hello_write(const gw_hello *hello, char text[GW_LINK_TEXT]);
@@ -102,6 +108,12 @@ int gw_link_accept(const gw_link_listener *listener, pid_t *pid, char from[64]);
 
 /* --- the rank's end (wall/link.c) */
 
+/* How a tile's process ended, as the launcher saw it. */
+typedef struct gw_death {
+    uint32_t tile, start; /* which start of the tile it was; 0: mpirun's */
+    char how[256];        /* "" when it did not say */
+} gw_death;
+
 typedef struct gw_link {
     gw_line line;
     gw_log log;             /* speaks through the line */
@@ -109,8 +121,10 @@ typedef struct gw_link {
     pthread_t reader;
     int64_t last_progress; /* ns */
     atomic_ullong lost;    /* a bit for each tile that the launcher saw die and nobody asked about yet */
-    atomic_int stop;       /* signal's number, or 0 */
-    atomic_int root_lost;  /* 1: how is in the text, which does not change any more */
+    gw_death deaths[GW_MAXIMUM_TILES]; /* of those; under `access` */
+    char door[64];                     /* rank 0: numeric address for its door; "": none was told */
+    atomic_int stop;                   /* signal's number, or 0 */
+    atomic_int root_lost;              /* 1: how is in the text, which does not change any more */
     char root_text[256];
 } gw_link;
 
@@ -122,8 +136,8 @@ gw_code gw_link_connect(const char *name, int rank, gw_link *out, gw_error *erro
 void gw_link_send(gw_link *link, gw_link_kind kind, int32_t value, const char *text);
 void gw_link_promise(gw_link *link, double seconds);
 
-/* Rank 0, any time: 1 and a tile whose process the launcher saw die, each once; 0: none (any more). */
-int gw_link_poll_lost(gw_link *link, uint32_t *tile);
+/* Rank 0, any time: 1 and a death that the launcher saw, each once; 0: none (any more). */
+int gw_link_poll_lost(gw_link *link, gw_death *out);
 /* Another rank, any time: how rank 0 was lost, as the launcher saw it; NULL: it was not. */
 const char *gw_link_root_lost(gw_link *link);
 /* Rank 0, any time: the number of the signal by which the run shall end after this frame, or 0. */

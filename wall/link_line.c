@@ -118,6 +118,13 @@ void gw_line_close(gw_line *line) {
 /* --- hello
  * ---------------------------------------------------------------------------------------------- */
 
+int gw_same_secret(const char *a, const char *b) {
+    unsigned char difference = 0;
+    for (int i = 0; i < GW_SECRET_DIGITS; i++)
+        difference |= (unsigned char)(a[i] ^ b[i]);
+    return !difference;
+}
+
 gw_code gw_program_hash(char text[33], gw_error *error) {
     gw_bytes file = {0};
     gw_code code = gw_file_read("/proc/self/exe", 1u << 30, &file, error);

@@ -123,10 +123,23 @@ static uint32_t run_of_tiles(const gw_mpirun_plan *plan, uint32_t first) {
     return next - first;
 }
 
+void gw_rank_words(const gw_mpirun_plan *plan, const gw_host *host, const char *rejoin, gw_words *out) {
+    const gw_link_listener *listener = plan->listener;
+    gw_words_add(out, "%s", plan->program);
+    gw_words_add(out, "rank");
+    gw_words_add(out, "--verb=%s", plan->verb);
+    if (listener)
+        gw_words_add(out, "--link=%s", host->here ? listener->local_name : listener->network_name);
+    if (rejoin)
+        gw_words_add(out, "--rejoin=%s", rejoin);
+    for (int i = 1; i < plan->argc; i++)
+        if (strcmp(plan->argv[i], "--dry-run") != 0)
+            gw_words_add(out, "%s", plan->argv[i]);
+}
+
 static void add_part(const gw_mpirun_plan *plan, uint32_t first, uint32_t count, gw_words *out) {
     const gw_host *host = &plan->hosts->host[plan->hosts->of_tile[first]];
     const char *display = plan->site->panels[first].display;
-    const gw_link_listener *listener = plan->listener;
     if (plan->hosts->remote) {
         gw_words_add(out, "-host");
         gw_words_add(out, "%s", host->name);
@@ -137,14 +150,7 @@ static void add_part(const gw_mpirun_plan *plan, uint32_t first, uint32_t count,
     }
     gw_words_add(out, "-np");
     gw_words_add(out, "%" PRIu32, count);
-    gw_words_add(out, "%s", plan->program);
-    gw_words_add(out, "rank");
-    gw_words_add(out, "--verb=%s", plan->verb);
-    if (listener)
-        gw_words_add(out, "--link=%s", host->here ? listener->local_name : listener->network_name);
-    for (int i = 1; i < plan->argc; i++)
-        if (strcmp(plan->argv[i], "--dry-run") != 0)
-            gw_words_add(out, "%s", plan->argv[i]);
+    gw_rank_words(plan, host, NULL, out);
 }
 
 void gw_mpirun_words(const gw_mpirun_plan *plan, const gw_log *log, gw_words *out) {
@@ -161,26 +167,25 @@ void gw_mpirun_words(const gw_mpirun_plan *plan, const gw_log *log, gw_words *ou
     }
 }
 
-static void print_word(const char *word) {
+static void print_word(FILE *out, const char *word) {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=+:,./@%";
     if (word[0] && strspn(word, plain) == strlen(word)) {
-        fputs(word, stdout);
+        fputs(word, out);
         return;
     }
-    putchar('\'');
+    putc('\'', out);
     for (; *word; word++)
         if (*word == '\'')
-            fputs("'\\''", stdout);
+            fputs("'\\''", out);
         else
-            putchar(*word);
-    putchar('\'');
+            putc(*word, out);
+    putc('\'', out);
 }
 
-void gw_mpirun_print(const gw_words *words) {
+void gw_words_print(const gw_words *words, FILE *out) {
     for (size_t i = 0; i < words->count; i++) {
         if (i)
-            putchar(' ');
-        print_word(words->word[i]);
+            putc(' ', out);
+        print_word(out, words->word[i]);
     }
-    putchar('\n');
 }

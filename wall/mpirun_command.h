@@ -10,6 +10,7 @@
 #include "wall/site.h"
 
 #include <stddef.h>
+#include <stdio.h>
 
 /* A list of words that ends with NULL, each owned. */
 typedef struct gw_words {
@@ -34,7 +35,10 @@ typedef struct gw_mpirun_plan {
 
 /* Adds mpirun and its words. Why some of them are there is told to the log, which may be NULL. */
 void gw_mpirun_words(const gw_mpirun_plan *plan, const gw_log *log, gw_words *out);
-/* The words as a shell takes them, on standard output. */
-void gw_mpirun_print(const gw_words *words);
+/* Adds what starts one rank on the host; rejoin: the place that it takes when it is started again, or NULL.
+ */
+void gw_rank_words(const gw_mpirun_plan *plan, const gw_host *host, const char *rejoin, gw_words *out);
+/* The words as a shell takes them. */
+void gw_words_print(const gw_words *words, FILE *out);
 
 #endif

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 /* Letter of its state and, in clock ticks since boot, its start: fields 3 and 22 of /proc/N/stat (proc(5)),
@@ -41,6 +42,18 @@ gw_process gw_process_find(int64_t number) {
     if (read_state(number, &letter, &process.start) != 1)
         process.start = 0;
     return process;
+}
+
+int64_t gw_process_age(void) {
+    const int64_t second = 1000000000;
+    struct timespec now;
+    char letter;
+    uint64_t start = 0;
+    if (read_state(getpid(), &letter, &start) != 1 || clock_gettime(CLOCK_BOOTTIME, &now))
+        return 0;
+    const int64_t tick = second / sysconf(_SC_CLK_TCK),
+                  age = now.tv_sec * second + now.tv_nsec - (int64_t)start * tick;
+    return age > 0 ? age : 0;
 }
 
 gw_process_state gw_process_look(const gw_process *process) {

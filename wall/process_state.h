@@ -19,6 +19,8 @@ typedef struct gw_process {
 } gw_process;
 
 gw_process gw_process_find(int64_t number);
+/* ns since this process began, to 10 ms or so; 0 when it cannot be told. */
+int64_t gw_process_age(void);
 gw_process_state gw_process_look(const gw_process *process);
 
 #endif

@@ -10,6 +10,7 @@
 #include "wall/notice.h"
 #include "wall/picture.h"
 #include "wall/rank_device.h"
+#include "wall/rejoin.h"
 #include "wall/stereo.h"
 #include "wall/tile_picture.h"
 #include "wall/verbs.h"
@@ -189,6 +190,7 @@ static gw_code load(gw_rank *rank, gw_conductor *conductor, gw_error *error) {
     const gw_share_options options = {.deadline = rank->load_deadline,
                                       .cache = cache,
                                       .cache_limit = draw->cache_limit,
+                                      .restarts = gw_sim_restarts(&rank->options, &rank->site) > 0,
                                       .log = &rank->line.log};
     gw_code code = gw_rank_has_window(rank) ? gw_rank_open_device(rank, error) : GW_OK;
     if (!code && rank->number == 0)
@@ -230,14 +232,11 @@ static void pulse(void *context, double silence) {
     rank->attended = now;
 }
 
-/* The scene on the device, and what draws it. */
-static gw_code prepare_scene(gw_rank *rank, gw_conductor *conductor, gw_error *error) {
-    gw_code code = load(rank, conductor, error);
-    if (code)
-        return code;
+gw_code gw_rank_create_renderer(gw_rank *rank, gw_error *error) {
     const gw_layout *layout = &rank->site.layout;
     const gw_share *shared = &rank->share;
     gw_similarity placement;
+    gw_code code = GW_OK;
     /* A scene that cannot be placed is told now, not in the first frame. */
     if (!rank->options.path && !rank->options.states)
         code = gw_place_scene(&shared->scene.scene, layout->size[0], layout->size[1], layout->centre,
@@ -257,17 +256,10 @@ static gw_code prepare_scene(gw_rank *rank, gw_conductor *conductor, gw_error *e
     return code;
 }
 
-/* All that this rank's tile is drawn with; a test pattern needs no scene. */
-static gw_code prepare_drawing(gw_rank *rank, gw_conductor *conductor, gw_error *error) {
-    const int scene = rank->options.pictures.pattern == GW_PATTERN_NONE;
-    gw_code code = scene                      ? prepare_scene(rank, conductor, error)
-                   : gw_rank_has_window(rank) ? gw_rank_open_device(rank, error)
-                                              : GW_OK;
-    if (code)
-        return code;
+gw_code gw_rank_make_room(gw_rank *rank, gw_error *error) {
     const gw_rectangle *rectangle = &own_tile(rank)->rectangle;
     const size_t scratch = gw_stereo_scratch(own_stereo(rank), own_tile(rank));
-    code =
+    gw_code code =
         gw_allocate((void **)&rank->pixels, (size_t)rectangle->width * rectangle->height, 4, "pixels", error);
     if (!code && scratch)
         code = gw_allocate((void **)&rank->eye_pixels, scratch, 1, "pixels of an eye", error);
@@ -278,6 +270,18 @@ static gw_code prepare_drawing(gw_rank *rank, gw_conductor *conductor, gw_error 
     rank->gate.idle = attend;
     rank->gate.idle_context = rank;
     return code;
+}
+
+/* All that this rank's tile is drawn with; a test pattern needs no scene. */
+static gw_code prepare_drawing(gw_rank *rank, gw_conductor *conductor, gw_error *error) {
+    gw_code code = GW_OK;
+    if (gw_rank_needs_scene(rank)) {
+        code = load(rank, conductor, error);
+        if (!code)
+            code = gw_rank_create_renderer(rank, error);
+    } else if (gw_rank_has_window(rank))
+        code = gw_rank_open_device(rank, error);
+    return code ? code : gw_rank_make_room(rank, error);
 }
 
 static gw_code get_ready(gw_rank *rank, gw_conductor *conductor, gw_error *error) {
@@ -296,8 +300,14 @@ static gw_code get_ready(gw_rank *rank, gw_conductor *conductor, gw_error *error
 /* --- the run
  * ---------------------------------------------------------------------------------------------------- */
 
-/* Ranks above 0: draws what rank 0 releases until it says quit. */
-static gw_code follow(gw_rank *rank, gw_error *error) {
+/* Of a process that took the place of one that was lost: how long it took to show its first frame. */
+static void note_rejoin(gw_rank *rank, int64_t when) {
+    if (rank->rejoined)
+        rank->gate.rejoin_ms = 1 + (uint32_t)((when - rank->rejoined) / 1000000);
+    rank->rejoined = 0;
+}
+
+gw_code gw_rank_follow(gw_rank *rank, gw_error *error) {
     const gw_rectangle *rectangle = &own_tile(rank)->rectangle;
     const size_t size = (size_t)rectangle->width * rectangle->height * 4;
     for (;;) {
@@ -309,8 +319,10 @@ static gw_code follow(gw_rank *rank, gw_error *error) {
         if (code)
             return code;
         gw_rank_time(rank, GW_LANE_WAIT, begin);
-        if (gw_rank_present(rank, &shown, &when))
+        if (gw_rank_present(rank, &shown, &when)) {
             gw_gate_client_presented(&rank->gate, shown, when);
+            note_rejoin(rank, when);
+        }
         if (release.kind == GW_RELEASE_QUIT) {
             gw_gate_client_leave(&rank->gate);
             return GW_OK;
@@ -343,7 +355,7 @@ static int number_from_mpirun(void) {
  * far. */
 static gw_code connect_line(gw_rank *rank, gw_error *error) {
     const gw_draw_options *draw = &rank->options.draw;
-    rank->number = number_from_mpirun();
+    rank->number = rank->options.rejoin ? gw_rejoin_number(rank->options.rejoin) : number_from_mpirun();
     if (rank->number < 0)
         return gw_fail(error, GW_BAD_INPUT,
                        "a rank is started by gazewall sim or gazewall wall; start one of them");
@@ -379,14 +391,10 @@ static gw_code run(gw_rank *rank, int argc, char **argv, gw_error *error) {
     else if (!code)
         code = gw_gate_client_open(&rank->gate, &rank->share, rank->number, rank->load_deadline, error);
     rank->conducted = conductor.gate;
-    rank->gate.lost = see_root_lost;
-    rank->gate.lost_context = &rank->line;
     if (!code)
         code = get_ready(rank, &conductor, error);
     if (!code)
-        code = rank->number == 0 ? gw_conductor_run(&conductor, rank, error) : follow(rank, error);
-    if (code && code != GW_TILES_LOST)
-        show_notice(rank, error->text);
+        code = rank->number == 0 ? gw_conductor_run(&conductor, rank, error) : gw_rank_follow(rank, error);
     return code;
 }
 
@@ -406,9 +414,14 @@ int gw_verb_rank(int argc, char **argv) {
     /* Until the site is known, which has times of its own. */
     rank.begin = gw_now_ns();
     rank.load_deadline = rank.begin + INT64_C(600000000000);
-    code = start_mpi(&rank, &error);
-    if (!code)
+    rank.gate.lost = see_root_lost;
+    rank.gate.lost_context = &rank.line;
+    if (rank.options.rejoin)
+        code = gw_rank_rejoin(&rank, &error);
+    else if (!(code = start_mpi(&rank, &error)))
         code = run(&rank, argc, argv, &error);
+    if (code && code != GW_TILES_LOST)
+        show_notice(&rank, error.text);
     if (code && code != GW_TILES_LOST)
         gw_link_send(&rank.line, GW_LINK_FAILED, (int32_t)code, error.text);
     else

@@ -41,7 +41,8 @@ typedef struct gw_rank {
     gw_gate *conducted;           /* rank 0 */
     int64_t attended;             /* ns, when rank 0 last listened while it drew */
     gw_present *present;          /* of its tile; NULL: headless */
-    uint32_t drawn;               /* number + 1 of the frame in pixels that is not presented yet; 0: none */
+    int64_t rejoined; /* ns, when this process began, if it was started again and has shown nothing yet */
+    uint32_t drawn;   /* number + 1 of the frame in pixels that is not presented yet; 0: none */
 } gw_rank;
 
 /* Draws this rank's tile for a release and writes its picture if the run has a folder for pictures. A failure
@@ -54,6 +55,18 @@ int gw_rank_present(gw_rank *rank, uint32_t *number, int64_t *when);
 
 /* From here on the tile is drawn for another site, in which its pixels are the same. */
 gw_code gw_rank_take_site(gw_rank *rank, const gw_site *site, uint32_t epoch, gw_error *error);
+
+/* --- what a rank of MPI and a tile that was started again have in common */
+
+static inline int gw_rank_needs_scene(const gw_rank *rank) {
+    return rank->options.pictures.pattern == GW_PATTERN_NONE && !rank->options.gate_only;
+}
+/* The shared scene and octree on the open device, and what draws them. */
+gw_code gw_rank_create_renderer(gw_rank *rank, gw_error *error);
+/* Memory for its pixels, and where they are shown. */
+gw_code gw_rank_make_room(gw_rank *rank, gw_error *error);
+/* Ranks above 0: draws what rank 0 releases until it says quit. */
+gw_code gw_rank_follow(gw_rank *rank, gw_error *error);
 
 /* --- rank_picture.c */
 

@@ -243,10 +243,11 @@ void gw_report_tiles(json_t *report, const gw_layout *layout, const gw_tile_reco
         const gw_tile_record *r = &records[i];
         json_array_append_new(
             tiles,
-            json_pack("{s:s, s:o, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:[I,I,I,I]}", "name",
+            json_pack("{s:s, s:o, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:[I,I,I,I]}", "name",
                       tile->name, "rank", count(i), "state", r->state, "presented", count(r->presented),
                       "late", count(r->late), "skipped", count(r->skipped), "lost", count(r->lost),
-                      "returned", count(r->returned), "lost_frame",
+                      "returned", count(r->returned), "rejoin_ms",
+                      r->rejoin_ms ? count(r->rejoin_ms) : json_null(), "lost_frame",
                       r->lost ? count(r->lost_frame) : json_null(), "fault",
                       r->fault && r->fault[0] ? text_or_null(r->fault) : json_null(), "processor_ms",
                       r->processor_ms, "picture", (json_int_t)tile->picture[0], (json_int_t)tile->picture[1],
@@ -255,13 +256,15 @@ void gw_report_tiles(json_t *report, const gw_layout *layout, const gw_tile_reco
     json_object_set_new(report, "tiles", tiles);
 }
 
-void gw_report_gate(json_t *report, int live, const gw_site_times *times, const gw_swap_skew *swaps,
-                    double *median, double *maximum) {
+void gw_report_gate(json_t *report, int live, const gw_site_times *times, uint32_t dropped,
+                    const gw_swap_skew *swaps, double *median, double *maximum) {
     json_object_set_new(report, "gate",
-                        json_pack("{s:s, s:{s:f, s:o, s:f, s:f}}", "mode", live ? "live" : "lock-step",
-                                  "times", "load_s", times->load, "frame_s",
+                        json_pack("{s:s, s:o, s:{s:f, s:o, s:f, s:f, s:o}}", "mode",
+                                  live ? "live" : "lock-step", "dropped_connections", count(dropped), "times",
+                                  "load_s", times->load, "frame_s",
                                   times->frame > 0 ? json_real(times->frame) : json_null(), "death_s",
-                                  times->death, "refresh_hz", times->refresh));
+                                  times->death, "refresh_hz", times->refresh, "restarts_a_minute",
+                                  count(live ? (uint32_t)times->restarts : 0)));
     json_object_set_new(report, "swap_skew_ms", gw_swap_skew_json(swaps, median, maximum));
 }
 

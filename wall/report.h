@@ -51,14 +51,16 @@ typedef struct gw_tile_record {
     uint32_t presented, late, skipped; /* frames */
     uint32_t lost, returned;           /* times */
     uint32_t lost_frame;               /* where it was last lost, if it was */
+    uint32_t rejoin_ms;                /* to its first frame after it was started again; 0: it was not */
     const char *fault;                 /* NULL or "": none */
     double processor_ms;               /* that its rank has used */
 } gw_tile_record;
 /* A record for each tile. */
 void gw_report_tiles(json_t *report, const gw_layout *layout, const gw_tile_record *records);
-/* gate and swap_skew_ms; the median and the largest skew (ms) come back for the summary. */
-void gw_report_gate(json_t *report, int live, const gw_site_times *times, const gw_swap_skew *swaps,
-                    double *median, double *maximum);
+/* gate and swap_skew_ms; dropped: connections at the gate's door. The median and the largest skew (ms) come
+ * back for the summary. */
+void gw_report_gate(json_t *report, int live, const gw_site_times *times, uint32_t dropped,
+                    const gw_swap_skew *swaps, double *median, double *maximum);
 
 typedef struct gw_spread {
     double median, p95, maximum, minimum;

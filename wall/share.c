@@ -1,11 +1,10 @@
 #include "wall/share.h"
 
-#include "base/file.h"
 #include "base/hash.h"
-#include "base/sealed_file.h"
 #include "build/pack_octree.h"
 #include "wall/interrupt.h"
 #include "wall/mpi_wait.h"
+#include "wall/share_kept.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -151,53 +150,6 @@ static void write_source(const source *from, void *block) {
         gw_pack_octree(from->octree, block);
 }
 
-/* --- what other machines keep
- * ------------------------------------------------------------------------------------ */
-
-static const char *const kept_suffixes[] = {".gwo", ".gwb", NULL};
-
-/* folder/block-<key>.gwb; free() it. */
-static char *kept_path(const gw_share_options *options, gw_hash key) {
-    char text[33], name[64];
-    gw_hash_text(key, text);
-    snprintf(name, sizeof name, "block-%s.gwb", text);
-    return gw_path_join(options->cache, name);
-}
-
-/* Copies the block from this machine's cache; 1 when it is there and is what rank 0 has. */
-static int find_kept(const gw_segment *segment, gw_hash key, const gw_share_options *options) {
-    gw_sealed kept = {0};
-    gw_error refused = {0};
-    char *path = kept_path(options, key);
-    int found = 0;
-    if (path && gw_file_exists(path)) {
-        if (gw_sealed_read(path, key, &kept, &refused))
-            gw_log_write(options->log, GW_LOG_WARNING, "%s; it is sent again", refused.text);
-        else
-            found = kept.size == segment->size &&
-                    gw_hash_equal(gw_hash_bytes((gw_hash){0, 0}, kept.data, kept.size), key);
-    }
-    if (found)
-        memcpy(segment->block, kept.data, kept.size);
-    free(kept.data);
-    free(path);
-    return found;
-}
-
-static void keep(const gw_segment *segment, gw_hash key, const gw_share_options *options) {
-    gw_error unwritten = {0};
-    char *path = kept_path(options, key);
-    if (!path)
-        return;
-    gw_interrupt_hold();
-    if (gw_sealed_write(path, key, segment->block, segment->size, &unwritten))
-        gw_log_write(options->log, GW_LOG_WARNING, "what rank 0 sent is not kept: %s", unwritten.text);
-    else
-        gw_sealed_trim(path, kept_suffixes, options->cache_limit);
-    gw_interrupt_release();
-    free(path);
-}
-
 /* --- from rank 0 to every machine
  * -------------------------------------------------------------------------------- */
 
@@ -216,17 +168,14 @@ static gw_code send_block(gw_share *share, const gw_segment *segment, const char
 }
 
 /* Several machines: nothing is sent when all have kept the block of an earlier run. */
-static gw_code send_if_needed(gw_share *share, const gw_segment *segment, const char *what,
+static gw_code send_if_needed(gw_share *share, const gw_segment *segment, gw_hash key, const char *what,
                               const gw_share_options *options, gw_error *error) {
     int rank = 0, has = 1, all_have = 0;
-    gw_hash key = {0, 0};
     MPI_Request request;
     MPI_Comm_rank(share->leaders, &rank);
-    if (rank == 0)
-        key = gw_hash_bytes(key, segment->block, segment->size);
     gw_code code = spread_bytes(&key, (int)sizeof key, share->leaders, options->deadline, what, error);
     if (!code && rank > 0)
-        has = options->cache && find_kept(segment, key, options);
+        has = gw_kept_read(options->cache, key, segment->block, segment->size, options->log);
     if (!code)
         code = gw_mpi_check(MPI_Iallreduce(&has, &all_have, 1, MPI_INT, MPI_MIN, share->leaders, &request),
                             what, error);
@@ -237,15 +186,23 @@ static gw_code send_if_needed(gw_share *share, const gw_segment *segment, const 
     if (code || all_have)
         return code;
     code = send_block(share, segment, what, options->deadline, error);
-    if (!code && rank > 0 && !has && options->cache)
-        keep(segment, key, options);
+    if (!code && rank > 0 && !has)
+        gw_kept_write(options->cache, key, segment->block, segment->size, options->cache_limit, options->log);
     return code;
 }
 
 static gw_code fill_segment(gw_share *share, gw_segment *segment, const source *from, const char *what,
                             const gw_share_options *options, gw_error *error) {
     write_source(from, segment->block);
-    gw_code code = share->machine_count > 1 ? send_if_needed(share, segment, what, options, error) : GW_OK;
+    const int first = from->scene || from->octree;
+    if (first && (share->machine_count > 1 || options->restarts))
+        segment->key = gw_hash_bytes((gw_hash){0, 0}, segment->block, segment->size);
+    /* The octree is in the cache of rank 0's machine already. */
+    if (from->scene && options->restarts && !gw_kept_has(options->cache, segment->key))
+        gw_kept_write(options->cache, segment->key, segment->block, segment->size, options->cache_limit,
+                      options->log);
+    gw_code code =
+        share->machine_count > 1 ? send_if_needed(share, segment, segment->key, what, options, error) : GW_OK;
     if (!code && mprotect(segment->block, segment->size, PROT_READ))
         code =
             gw_fail(error, GW_MACHINE, "the shared segment could not be made read-only: %s", strerror(errno));

@@ -7,6 +7,7 @@
 #ifndef GW_WALL_SHARE_H
 #define GW_WALL_SHARE_H
 
+#include "base/hash.h"
 #include "base/log.h"
 #include "base/status.h"
 #include "build/octree.h"
@@ -21,6 +22,7 @@
 typedef struct gw_segment {
     void *block; /* mapped read-only, NULL before it is shared */
     size_t size;
+    gw_hash key; /* rank 0: of its bytes, by which caches have it; zero when no cache needs it */
 } gw_segment;
 
 typedef struct gw_share {
@@ -44,6 +46,7 @@ typedef struct gw_share_options {
     const char *cache;    /* folder in which machines other than rank 0's keep the blocks that they were sent,
                              by content, so that the next run need not send them; or NULL */
     uint64_t cache_limit; /* bytes */
+    int restarts;         /* tiles may be started again: rank 0's machine keeps the scene, too */
     const gw_log *log;
 } gw_share_options;
 

@@ -2,104 +2,10 @@
 
 #include "base/suggest.h"
 #include "tracking/server.h"
-#include "wall/stereo.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-
-void gw_wall_options_init(gw_wall_options *options, uint32_t columns, uint32_t rows) {
-    memset(options, 0, sizeof *options);
-    options->tiles[0] = columns;
-    options->tiles[1] = rows;
-    options->size[0] = 960;
-    options->size[1] = 540;
-    options->wall_width = 2000;
-    options->eye_distance = -1;
-}
-
-/* Sizes of the columns or rows of a split; checks them against the wall's size when that was given, too. */
-static gw_code split_axis(const gw_wall_options *options, int axis, const uint32_t *given, size_t given_count,
-                          uint32_t *parts, uint32_t *count, gw_error *error) {
-    const char *name = axis ? "rows" : "columns";
-    if (given_count == 0) {
-        *count = options->tiles[axis];
-        if (*count > GW_MAXIMUM_TILES || options->size[axis] < *count)
-            return gw_fail(error, GW_BAD_INPUT,
-                           "%u px cannot be split into %u %s; use fewer tiles or more pixels",
-                           options->size[axis], *count, name);
-        gw_split_evenly(options->size[axis], *count, parts);
-        return GW_OK;
-    }
-    uint64_t sum = 0;
-    for (size_t i = 0; i < given_count; i++) {
-        parts[i] = given[i];
-        sum += given[i];
-    }
-    *count = (uint32_t)given_count;
-    if (options->tiles_given && options->tiles[axis] != given_count)
-        return gw_fail(error, GW_BAD_INPUT, "--%s names %zu parts, --tiles %u; leave one of them out", name,
-                       given_count, options->tiles[axis]);
-    if (options->size_given && options->size[axis] != sum)
-        return gw_fail(error, GW_BAD_INPUT, "--%s add up to %llu px, --size says %u; leave one of them out",
-                       name, (unsigned long long)sum, options->size[axis]);
-    return GW_OK;
-}
-
-static gw_code split_site(const gw_wall_options *options, gw_site *out, gw_error *error) {
-    memset(out, 0, sizeof *out);
-    gw_site_defaults(out);
-    gw_grid grid = {
-        .left = options->bezel, .right = options->bezel, .top = options->bezel, .bottom = options->bezel};
-    gw_code code =
-        split_axis(options, 0, options->widths, options->width_count, grid.widths, &grid.columns, error);
-    if (!code)
-        code =
-            split_axis(options, 1, options->heights, options->height_count, grid.heights, &grid.rows, error);
-    if (code)
-        return code;
-    uint32_t pixels = 0;
-    for (uint32_t i = 0; i < grid.columns; i++)
-        pixels += grid.widths[i];
-    grid.pitch[0] = grid.pitch[1] = options->wall_width / pixels;
-    grid.eye[2] = 0.9 * options->wall_width;
-    return gw_layout_grid(&grid, &out->layout, error);
-}
-
-gw_code gw_wall_site(const gw_wall_options *options, gw_site *out, gw_error *error) {
-    gw_site_notes notes;
-    return gw_wall_site_noting(options, out, &notes, error);
-}
-
-gw_code gw_wall_site_noting(const gw_wall_options *options, gw_site *out, gw_site_notes *notes,
-                            gw_error *error) {
-    memset(notes, 0, sizeof *notes);
-    if (options->given) {
-        *out = *options->given;
-        return gw_stereo_check(out, error);
-    }
-    if (options->site &&
-        (options->tiles_given || options->size_given || options->width_count || options->height_count))
-        return gw_fail(error, GW_BAD_INPUT,
-                       "--site describes the whole wall; leave out --tiles, --size, --columns and --rows");
-    gw_code code = options->site ? gw_site_load_noting(options->site, out, notes, error)
-                                 : split_site(options, out, error);
-    if (code)
-        return code;
-    for (uint32_t i = 0; options->stereo_given && i < out->layout.tile_count; i++)
-        out->panels[i].stereo = options->stereo;
-    if (options->eye_distance >= 0)
-        out->eye_distance = options->eye_distance;
-    return gw_stereo_check(out, error);
-}
-
-gw_code gw_wall_layout(const gw_wall_options *options, gw_layout *out, gw_error *error) {
-    gw_site site;
-    gw_code code = gw_wall_site(options, &site, error);
-    if (!code)
-        *out = site.layout;
-    return code;
-}
 
 gw_code gw_choose_gaze(gw_gaze_choice *choice, gw_gaze_choice wanted, gw_error *error) {
     if (*choice != GW_GAZE_FROM_TRACK && *choice != wanted)
@@ -117,7 +23,13 @@ gw_site_times gw_sim_times(const gw_sim_options *options, const gw_site *site) {
         times.death = options->death_deadline;
     if (options->frame_deadline > 0)
         times.frame = options->frame_deadline;
+    if (options->restarts >= 0)
+        times.restarts = (double)options->restarts;
     return times;
+}
+
+uint32_t gw_sim_restarts(const gw_sim_options *options, const gw_site *site) {
+    return options->live ? (uint32_t)gw_sim_times(options, site).restarts : 0;
 }
 
 enum {
@@ -156,6 +68,8 @@ enum {
     KEY_DRY_RUN,
     KEY_VERB,
     KEY_LINK,
+    KEY_REJOIN,
+    KEY_RESTARTS,
     KEY_WINDOW,
     KEY_TILE_WINDOWS,
     KEY_HEADLESS,
@@ -244,6 +158,10 @@ static const struct argp_option sim_options[] = {
      "median "
      "frames, at least 10 s",
      12},
+    {"restarts", KEY_RESTARTS, "N", 0,
+     "with --live, 0 to 60, default the site's or 3: how often a minute a tile whose process ended is "
+     "started again",
+     12},
     {"gate-only", KEY_GATE_ONLY, NULL, 0, "nothing is loaded or drawn: what the frame gate alone costs", 12},
     {"tile-fault", KEY_TILE_FAULT, "KIND:TILE@FRAME", OPTION_HIDDEN, NULL, 0},
     {NULL, 0, NULL, 0, "Who works:", 4},
@@ -261,6 +179,7 @@ static const struct argp_option sim_options[] = {
     {"builder-fault", KEY_BUILDER_FAULT, "KIND:RANK", OPTION_HIDDEN, NULL, 0},
     {"machines", KEY_MACHINES, "N", OPTION_HIDDEN, NULL, 0},
     {"link", KEY_LINK, "NAME", OPTION_HIDDEN, NULL, 0},
+    {"rejoin", KEY_REJOIN, "PLACE", OPTION_HIDDEN, NULL, 0},
     {0}};
 
 static gw_code parse_stereo(const char *argument, gw_wall_options *wall, gw_error *error) {
@@ -352,6 +271,8 @@ static gw_code parse_frames(int key, const char *argument, gw_sim_options *optio
         return gw_parse_number("--budget", argument, 0.1, 60000, &options->budget_ms, error);
     case KEY_BUDGET_RAYS:
         return gw_parse_number("--budget-rays", argument, 1, 1e12, &options->budget_rays, error);
+    case KEY_RESTARTS:
+        return gw_parse_integer("--restarts", argument, 0, 60, &options->restarts, error);
     case KEY_LOAD_DEADLINE:
         return gw_parse_number("--load-deadline", argument, 1, 86400, &options->load_deadline, error);
     case KEY_DEATH_DEADLINE:
@@ -407,6 +328,7 @@ static error_t parse_sim(int key, char *argument, struct argp_state *state) {
     case KEY_STILL:
     case KEY_BUDGET:
     case KEY_BUDGET_RAYS:
+    case KEY_RESTARTS:
     case KEY_LOAD_DEADLINE:
     case KEY_FRAME_DEADLINE:
     case KEY_DEATH_DEADLINE:
@@ -464,6 +386,9 @@ static error_t parse_sim(int key, char *argument, struct argp_state *state) {
         break;
     case KEY_LINK:
         options->link = argument;
+        break;
+    case KEY_REJOIN:
+        options->rejoin = argument;
         break;
     case ARGP_KEY_ARG:
         code = gw_stray_argument(argument, error);
@@ -535,6 +460,7 @@ gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *he
     out->pictures.error = error;
     gw_wall_options_init(&out->wall, 2, 2);
     out->step = -1;
+    out->restarts = -1;
     out->cluster = !strcmp(argv[0], "wall");
     gw_code code = gw_arguments_parse(out->cluster ? &wall_argp : &sim_argp, argc, argv, out, helped, error);
     if (code || *helped)
@@ -551,6 +477,9 @@ gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *he
         return gw_fail(error, GW_BAD_INPUT,
                        "--frame-deadline goes with --live: without it every frame waits for all tiles; "
                        "--death-deadline says when a silent one is lost");
+    if (out->restarts > 0 && !out->live)
+        return gw_fail(error, GW_BAD_INPUT,
+                       "--restarts goes with --live: otherwise a tile that was lost stays lost");
     if (out->gate_only && (out->out || out->save_states))
         return gw_fail(error, GW_BAD_INPUT, "--gate-only draws nothing; leave out --out and --save-states");
     if (out->budget_ms > 0 && out->budget_rays > 0)

@@ -72,7 +72,9 @@ typedef struct gw_sim_options {
     int live;                      /* frames go on without late tiles; else lock-step */
     double load_deadline, frame_deadline; /* s; 0: the site's */
     double death_deadline;                /* s; 0: the site's when live, else from the frames so far */
-    int gate_only;                        /* nothing is loaded or drawn: what the gate alone costs */
+    int64_t restarts; /* how often a minute a lost tile of a live wall is started again; negative: as the site
+                         says */
+    int gate_only;    /* nothing is loaded or drawn: what the gate alone costs */
     gw_tile_fault tile_faults[GW_MAXIMUM_FAULTS]; /* hidden, for tests */
     uint32_t tile_fault_count;
     uint32_t builders;      /* ranks that build the octree together; 0: one of every machine */
@@ -81,8 +83,9 @@ typedef struct gw_sim_options {
     int machines; /* hidden, for tests: pretend that the ranks stand on so many machines */
     int cluster;  /* the verb is wall: the site's hosts draw its tiles, and without frames it has no end */
     int dry_run;  /* print the command, start nothing */
-    const char *agent; /* wall: what starts programs on other hosts in place of ssh, or NULL */
-    const char *link;  /* hidden: the launcher's address, for ranks */
+    const char *agent;  /* wall: what starts programs on other hosts in place of ssh, or NULL */
+    const char *link;   /* hidden: the launcher's address, for ranks */
+    const char *rejoin; /* hidden: where a tile that is started again comes in (wall/rejoin.h), or NULL */
 } gw_sim_options;
 
 /* 1 when somebody steers the run while it goes on: by a window, or by --input. */
@@ -93,6 +96,9 @@ int gw_sim_runs_free(const gw_sim_options *options);
 
 /* The times in force: the site's, but for those that the command line gives. */
 gw_site_times gw_sim_times(const gw_sim_options *options, const gw_site *site);
+
+/* How often a minute a tile that was lost is started again; 0: never. */
+uint32_t gw_sim_restarts(const gw_sim_options *options, const gw_site *site);
 
 /* argv[0] is "sim", "wall" or "rank". */
 gw_code gw_sim_options_parse(int argc, char **argv, gw_sim_options *out, int *helped, gw_error *error);

@@ -41,10 +41,11 @@ typedef struct gw_panel {
 
 /* Where the wall's own network traffic and its times are agreed on. */
 typedef struct gw_site_times {
-    double load;    /* s, until all ranks must be ready */
-    double frame;   /* s, after which a frame goes without a late tile; 0: 3 periods of `refresh` */
-    double death;   /* s without a word after which a tile is lost */
-    double refresh; /* Hz, of the panels */
+    double load;     /* s, until all ranks must be ready */
+    double frame;    /* s, after which a frame goes without a late tile; 0: 3 periods of `refresh` */
+    double death;    /* s without a word after which a tile is lost */
+    double refresh;  /* Hz, of the panels */
+    double restarts; /* how often a minute a lost tile of a live wall is started again, whole; 0: never */
 } gw_site_times;
 
 typedef struct gw_site {
@@ -52,6 +53,7 @@ typedef struct gw_site {
     gw_panel panels[GW_MAXIMUM_TILES]; /* panel i is tile i's */
     gw_site_times times;
     char address[64];  /* of the interface on which rank 0 takes tiles that come back; "": loopback */
+    uint16_t port;     /* TCP, there; 0: any that is free */
     char tracker[256]; /* the one source that key `tracker` names, with the usual setup; "": it does not */
     gw_tracker_setup trackers; /* sources of head and gaze when the command line names none: that one, or
                                   those of key `trackers`; no source: none */

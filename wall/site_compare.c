@@ -112,6 +112,8 @@ gw_code gw_site_compare(const gw_site *before, const gw_site *after, gw_site_cha
     number(out, 1, "times: frame", from->frame, to->frame);
     number(out, 1, "times: death", from->death, to->death);
     number(out, 1, "times: refresh", from->refresh, to->refresh);
+    number(out, 1, "times: restarts", from->restarts, to->restarts);
+    number(out, 1, "network: port", before->port, after->port);
     compare_tiles(out, before, after);
     if (out->restarts == 0)
         return GW_OK;

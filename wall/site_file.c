@@ -107,9 +107,17 @@ static gw_code read_layout(gw_site_source *source, gw_layout *out, gw_error *err
     return gw_site_generate(source, kinds[kind], nodes[kind], out, error);
 }
 
+/* A whole number, if the key is there; else *out stays. */
+static gw_code read_whole(const gw_yaml_node *map, const char *key, long least, long most, long *out,
+                          gw_error *error) {
+    const gw_yaml_node *node = gw_yaml_find(map, key);
+    return node ? gw_yaml_integer(node, key, least, most, out, error) : GW_OK;
+}
+
 static gw_code read_times(const gw_yaml_node *root, gw_site_times *out, gw_error *error) {
-    static const char *const names[] = {"load", "frame", "death", "refresh"};
+    static const char *const names[] = {"load", "frame", "death", "refresh", "restarts"};
     const gw_yaml_node *map = gw_yaml_find(root, "times");
+    long restarts = (long)out->restarts;
     if (!map)
         return GW_OK;
     gw_code code = gw_site_map(map, "times", names, GW_COUNT(names), error);
@@ -121,6 +129,9 @@ static gw_code read_times(const gw_yaml_node *root, gw_site_times *out, gw_error
         code = gw_site_number(map, "death", 0.2, 600, &out->death, error);
     if (!code)
         code = gw_site_number(map, "refresh", 1, 1000, &out->refresh, error);
+    if (!code)
+        code = read_whole(map, "restarts", 0, 60, &restarts, error);
+    out->restarts = (double)restarts;
     if (!code && out->death <= out->frame)
         return gw_yaml_fail(map, error,
                             "key 'times': a tile would be lost after %g s, before it is late after %g s; "
@@ -139,13 +150,19 @@ gw_code gw_site_address(const gw_yaml_node *map, const char *key, char out[64], 
     return code;
 }
 
-static gw_code read_network(const gw_yaml_node *root, char out[64], gw_error *error) {
-    static const char *const names[] = {"address"};
+static gw_code read_network(const gw_yaml_node *root, gw_site *site, gw_error *error) {
+    static const char *const names[] = {"address", "port"};
+    long port = 0;
     const gw_yaml_node *map = gw_yaml_find(root, "network");
     if (!map)
         return GW_OK;
     gw_code code = gw_site_map(map, "network", names, GW_COUNT(names), error);
-    return code ? code : gw_site_address(map, "address", out, error);
+    if (!code)
+        code = gw_site_address(map, "address", site->address, error);
+    if (!code)
+        code = read_whole(map, "port", 1024, 65535, &port, error);
+    site->port = (uint16_t)port;
+    return code;
 }
 
 static gw_code read_viewer(const gw_yaml_node *root, gw_site *out, gw_error *error) {
@@ -175,7 +192,7 @@ static gw_code read_site(gw_site_source *source, gw_site *out, gw_error *error) 
     if (!code)
         code = read_times(root, &out->times, error);
     if (!code)
-        code = read_network(root, out->address, error);
+        code = read_network(root, out, error);
     if (!code)
         code = read_viewer(root, out, error);
     if (!code)

@@ -124,8 +124,12 @@ static void put_rest(FILE *out, const gw_site *site) {
     gw_site_put_trackers(out, site);
     fputs("navigation: {fly_speed: ", out);
     gw_site_put_number(out, site->fly_speed);
+    if (site->address[0] || site->port)
+        fputs("}\nnetwork: {", out);
     if (site->address[0])
-        fprintf(out, "}\nnetwork: {address: \"%s\"", site->address);
+        fprintf(out, "address: \"%s\"%s", site->address, site->port ? ", " : "");
+    if (site->port)
+        fprintf(out, "port: %u", site->port);
     const struct {
         const char *key;
         double value;
@@ -141,6 +145,7 @@ static void put_rest(FILE *out, const gw_site *site) {
             gw_site_put_number(out, times[i].value);
             comma = ", ";
         }
+    fprintf(out, "%srestarts: %g", comma, site->times.restarts);
     fprintf(out, "}\nframed_size: [%u, %u]\n", site->layout.framed[0], site->layout.framed[1]);
 }
 

@@ -38,10 +38,13 @@ void gw_conductor_open_door(gw_conductor *conductor, struct gw_rank *rank) {
     if (!why && (gw_program_hash(program, &error) ||
                  gw_gate_open_door(conductor->gate, &options, &rank->site, &error)))
         why = error.text;
+    const gw_door *door = gw_gate_door(conductor->gate);
     if (why)
         gw_log_write(&rank->line.log, GW_LOG_WARNING, "tiles that are lost will not be started again: %s",
                      why);
-    else
-        gw_link_send(&rank->line, GW_LINK_DOOR, (int32_t)restarts,
-                     gw_door_name(gw_gate_door(conductor->gate)));
+    if (!door)
+        return;
+    gw_link_send(&rank->line, GW_LINK_DOOR, (int32_t)restarts, gw_door_name(door));
+    gw_log_write(&rank->line.log, GW_LOG_DEBUG, "tiles that are started again come in at %s",
+                 gw_door_name(door));
 }

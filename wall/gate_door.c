@@ -16,7 +16,7 @@
 
 enum {
     STRANGERS = 8,
-    WAITING = 16,
+    WAITING = 64,
     ATTEND_MS = 5,
     HELLO_MS = 2000, /* for a stranger to say who it is */
     ROOM_MS = 100,   /* a silent stranger that was there for so long makes room for the next */

@@ -7,7 +7,7 @@
 #include <time.h>
 #include <unistd.h>
 
-static const char *const kinds[] = {"kill", "stop", "hang", "slow", "context"};
+static const char *const kinds[] = {"kill", "stop", "hang", "slow", "context", "die"};
 enum { KINDS = sizeof kinds / sizeof *kinds, SLOW_MS = 200 };
 
 gw_code gw_tile_fault_parse(const char *text, gw_tile_fault *out, gw_error *error) {
@@ -19,7 +19,8 @@ gw_code gw_tile_fault_parse(const char *text, gw_tile_fault *out, gw_error *erro
                 return GW_OK;
             }
     return gw_fail(error, GW_BAD_INPUT,
-                   "--tile-fault '%s' is not KIND:TILE@FRAME with kill, stop, hang, slow or context", text);
+                   "--tile-fault '%s' is not KIND:TILE@FRAME with kill, die, stop, hang, slow or context",
+                   text);
 }
 
 gw_code gw_tile_fault_strike(const gw_tile_fault *faults, uint32_t count, uint32_t tile, uint32_t frame,
@@ -27,10 +28,12 @@ gw_code gw_tile_fault_strike(const gw_tile_fault *faults, uint32_t count, uint32
     for (uint32_t i = 0; i < count; i++) {
         const gw_tile_fault *fault = &faults[i];
         if (fault->tile != tile ||
-            (fault->kind == GW_FAULT_SLOW ? frame < fault->frame : frame != fault->frame))
+            (fault->kind == GW_FAULT_SLOW || fault->kind == GW_FAULT_DIE ? frame < fault->frame
+                                                                         : frame != fault->frame))
             continue;
         switch (fault->kind) {
         case GW_FAULT_KILL:
+        case GW_FAULT_DIE:
             raise(SIGKILL);
             break;
         case GW_FAULT_STOP:

@@ -6,6 +6,7 @@
 make_scene "$folder/sheet.obj"
 cd "$folder" || exit 1
 wall=(sim --scene sheet.obj --set octree_depth=5 --tiles 3x2 --size 96x64 --log debug)
+alone=(--live --restarts 0) # tests/mpi/rejoin.sh has those that come back
 frames=400
 
 pid_of() { # LOG RANK
@@ -43,7 +44,7 @@ is "lock-step: every tile showed every frame" "$(json calm.json "['tiles'].__len
 is "lock-step: swap skew is measured for every frame" "$(json calm.json '["swap_skew_ms"]["frames"]')" $frames
 
 # --- live: one is killed, one stopped and continued, one slow
-timeout 300 "$program" "${wall[@]}" --frames $frames --out live --report live.json --live --frame-deadline 0.1 \
+timeout 300 "$program" "${wall[@]}" --frames $frames --out live --report live.json "${alone[@]}" --frame-deadline 0.1 \
     --death-deadline 30 --tile-fault kill:1@10 --tile-fault stop:2@15 --tile-fault slow:4@5 >live.out 2>live.log &
 launcher=$!
 wait_for_text live.log "tile c2r0 (rank 2) is late"
@@ -75,7 +76,7 @@ is "live: incomplete walls say so" "$(find live -name 'wall-[0-9]*-incomplete.pn
     "$(tail -n +2 live/frames.csv | awk -F, '$(NF - 2) + $(NF - 1) + $NF > 0' | wc -l)"
 
 # --- live: one hangs, one loses its context, one is stopped for good
-timeout 300 "$program" "${wall[@]}" --frames $frames --report faults.json --live --frame-deadline 0.5 --death-deadline 1 \
+timeout 300 "$program" "${wall[@]}" --frames $frames --report faults.json "${alone[@]}" --frame-deadline 0.5 --death-deadline 1 \
     --tile-fault hang:2@20 --tile-fault context:3@25 --tile-fault stop:5@30 >faults.out 2>faults.log
 is "faults: exit code" $? 1
 is "faults: all frames were drawn" "$(json faults.json '["frames"]')" $frames

@@ -167,6 +167,9 @@ static const mistake mistakes[] = {
     {"version: 1\ntimes: {death: 0.5, frame: 1}\n" GRID, 2, "'death' must be greater than 'frame'"},
     {"version: 1\ntimes: {refresh: 60 Hz}\n" GRID, 2, "key 'refresh': expected a number, found '60 Hz'"},
     {"version: 1\nnetwork: {address: node1}\n" GRID, 2, "key 'address': 'node1' is no address"},
+    {"version: 1\nnetwork: {port: 80}\n" GRID, 2, "key 'port'"},
+    {"version: 1\ntimes: {restarts: 61}\n" GRID, 2, "key 'restarts'"},
+    {"version: 1\ntimes: {restarts: 1.5}\n" GRID, 2, "key 'restarts'"},
     {"version: 1\nnetwork: {address: 10.0.0.256}\n" GRID, 2, "'10.0.0.256' is no address"},
     {"version: 1\nnavigation: {speed: 2}\n" GRID, 2, "key 'speed' is unknown"},
     {"version: 1\ntracker: ''\n" GRID, 2, "key 'tracker': 0 characters; expected 1 to 255"},
@@ -387,6 +390,17 @@ static void a_panel_may_have_pixels_of_its_own(void **state) {
     assert_int_equal(site.layout.picture[0], 80);
 }
 
+static void the_door_of_the_gate_is_read_and_written(void **state) {
+    (void)state;
+    check_ok(parse("version: 1\ntimes: {restarts: 0}\nnetwork: {address: 10.0.0.1, port: 7000}\n" LEFT, &site,
+                   &error));
+    assert_true(site.times.restarts == 0 && site.port == 7000);
+    assert_same_again(&site);
+    check_ok(parse("version: 1\nnetwork: {port: 1024}\n" LEFT, &site, &error));
+    assert_true(site.times.restarts == 3 && site.port == 1024 && !site.address[0]);
+    assert_same_again(&site);
+}
+
 /* Without more ado, two tiles in one place are a mistake; a left and a right eye's are not. */
 static void a_pair_of_eyes_may_share_a_place(void **state) {
     const char *text = "version: 1\nwalls:\n"
@@ -498,6 +512,8 @@ static void differences_are_told_and_sorted(void **state) {
         {"panel: {display: ':1'}\n", "tile 'c0r0': display none -> :1"},
         {"times: {refresh: 50}\n", "times: refresh 60 -> 50"},
         {"network: {address: 10.0.0.1}\n", "address none -> 10.0.0.1"},
+        {"network: {port: 7000}\n", "network: port 0 -> 7000"},
+        {"times: {restarts: 0}\n", "times: restarts 3 -> 0"},
     };
     for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
         snprintf(text, sizeof text, "%s%s%s", head, others[i][0], grid);
@@ -581,6 +597,7 @@ int main(void) {
         cmocka_unit_test(bent_panels_are_shown_unrolled),
         cmocka_unit_test(walls_make_room_for_bezels),
         cmocka_unit_test(a_panel_may_have_pixels_of_its_own),
+        cmocka_unit_test(the_door_of_the_gate_is_read_and_written),
         cmocka_unit_test(a_pair_of_eyes_may_share_a_place),
         cmocka_unit_test(printed_corners_give_the_same_bits),
         cmocka_unit_test(examples_of_the_manual_load),

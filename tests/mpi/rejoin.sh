@@ -1,0 +1,142 @@
+#!/bin/bash
+# A tile of a live wall that ends is started again: it comes back by TCP with scene and octree from the cache, and shows
+# what an undisturbed tile shows. Strangers at rank 0's door disturb nobody; a tile that always dies is named and left for
+# a while; one that lost its GL context comes back; nothing stays behind when the wall ends meanwhile.
+# shellcheck source=tests/support/tap.sh
+. "$(dirname "$0")/../support/tap.sh"
+make_scene "$folder/sheet.obj"
+cd "$folder" || exit 1
+cp sheet.obj model.obj # what a tile is drawn with when it comes back is not read from there
+cp sheet.mtl model.mtl
+sed -i 's/sheet.mtl/model.mtl/' model.obj
+
+pid_of() { # LOG RANK: of its process started last
+    sed -n "s/.*rank $2 (tile [^)]*) is process \([0-9]*\)\$/\1/p" "$1" | tail -1
+}
+
+# wait_for FILE TEXT [COUNT]: until so many lines have it; at most 120 s
+wait_for() {
+    for _ in $(seq 2400); do
+        [ "$(grep -cF -- "$2" "$1" 2>/dev/null)" -ge "${3:-1}" ] && return
+        sleep 0.05
+    done
+    echo "# '$2' did not come in $1"
+}
+
+rows() { # NAME COUNT: until so many frames more are drawn
+    local wanted
+    wanted=$(($(wc -l <"$1/frames.csv") + $2))
+    for _ in $(seq 1200); do
+        [ "$(wc -l <"$1/frames.csv")" -ge $wanted ] && return
+        sleep 0.05
+    done
+    echo "# $1 did not go on"
+}
+
+tile() { # REPORT NUMBER KEY
+    json "$1" "['tiles'][$2]['$3']"
+}
+
+nothing_is_left() { # NAME
+    for _ in $(seq 200); do
+        pgrep -f -- "--report $1-$$.json" >/dev/null || break
+        sleep 0.05
+    done
+    is "$1: no process is left" "$(pgrep -af -- "--report $1-$$.json" | cut -c 1-100)" ""
+}
+
+segments=$(find /dev/shm -name 'gazewall-*' -user "$(id -u)" 2>/dev/null | sort)
+
+# --- a killed tile comes back; strangers, wrong secrets and doubles at the door meanwhile
+wall=(--set octree_depth=5 --tiles 3x2 --size 96x64 --log debug)
+timeout 300 "$program" sim --scene model.obj "${wall[@]}" --live --frames 100000 --frame-deadline 2 --death-deadline 60 \
+    --out back --save-states states --report "back-$$.json" >back.out 2>back.log &
+launcher=$!
+wait_for back.log "tiles that are started again come in at"
+rows back 20
+rm model.obj model.mtl
+kill -KILL "$(pid_of back.log 1)"
+wait_for back.log "tile c1r0 (rank 1) takes part again"
+door=$(sed -n 's/.*tiles that are started again come in at //p' back.log)
+head -c 3000 /dev/urandom >"/dev/tcp/${door%:*}/${door##*:}"
+wait_for back.log "was dropped at the gate: what it sent is no hello of a tile"
+exec 9<>"/dev/tcp/${door%:*}/${door##*:}" # half open until the end of the run
+stranger() { # SECRET
+    GAZEWALL_SECRET=$1 timeout 60 "$program" rank --verb=sim --rejoin="1:9:$door" --scene sheet.obj "${wall[@]}" 2>&1
+}
+is "another secret: no answer" "$(stranger "${door//[^0]/0}00000000000000000000000000000000" | tail -1)" \
+    "gazewall rank: rank 0 does not let this tile in: the line to it broke"
+secret=$(tr '\0' '\n' <"/proc/$(pid_of back.log 2)/environ" | sed -n 's/^GAZEWALL_SECRET=//p')
+has "a tile that is still here: it is told" "$(stranger "$secret")" "does not let this tile in: its tile is still here"
+is "the secret stands in no command line" "$(cat /proc/[0-9]*/cmdline 2>/dev/null | grep -c -f <(echo "$secret"))" 0
+wait_for back.log "tile c1r0 keeps up again"
+rows back 10
+kill -INT $launcher
+wait $launcher
+is "it comes back: exit code of the interruption" $? 130
+exec 9>&-
+is "it comes back: lost and returned once, live in the end" \
+    "$(tile "back-$$.json" 1 lost) $(tile "back-$$.json" 1 returned) $(tile "back-$$.json" 1 state)" "1 1 live"
+others=0
+for which in 0 2 3 4 5; do
+    others=$((others + $(tile "back-$$.json" $which lost) + $(tile "back-$$.json" $which returned)))
+done
+is "the others lost nothing" $others 0
+is "connections at the door were counted" "$(($(json "back-$$.json" "['gate']['dropped_connections']") >= 3))" 1
+took=$(tile "back-$$.json" 1 rejoin_ms)
+is "from its start to its first frame: $took ms" $((took > 0 && took < 60000)) 1
+nothing_is_left back
+# Undisturbed: the same states, in lock-step.
+timeout 300 "$program" sim --scene sheet.obj "${wall[@]}" --states states --out calm --quiet >calm.log 2>&1
+is "undisturbed: exit code" $? 0
+different=0
+shown=0
+for picture in back/tile-*-[0-9]*.png; do
+    shown=$((shown + 1))
+    cmp -s "$picture" "calm/$(basename "$picture")" || different=$((different + 1))
+done
+is "what all tiles show is what they show undisturbed ($shown pictures)" "$different $((shown > 150))" "0 1"
+last=$(find calm -name 'wall-[0-9]*.png' | sort | tail -1)
+same_file "the last frame is whole" "back/$(basename "$last")" "$last"
+exists "and says so" "back/tile-c1r0-$(basename "$last" | sed 's/wall-//')"
+
+# --- one dies whenever it draws, one loses its context: the first is named and left for a while, the second comes back
+timeout 300 "$program" sim --scene sheet.obj "${wall[@]}" --live --frames 1000000 --restarts 2 --frame-deadline 2 \
+    --report "dies-$$.json" --tile-fault die:1@10 --tile-fault context:3@20 >dies.out 2>dies.log &
+launcher=$!
+wait_for dies.log "tile c1r0 was started again 2 times within a minute"
+wait_for dies.log "tile c0r1 keeps up again"
+kill -INT $launcher
+wait $launcher
+is "it always dies: it was started twice" "$(grep -c "tile c1r0 is started again" dies.log) $(tile "dies-$$.json" 1 state)" \
+    "2 lost"
+has "its context was lost: by name" "$(grep "tile c0r1 (rank 3) is lost" dies.log)" "the GL context was lost"
+is "its context was lost: it came back" "$(tile "dies-$$.json" 3 lost) $(tile "dies-$$.json" 3 returned)" "1 1"
+nothing_is_left dies
+
+# --- the wall ends while a tile comes back
+endings() { # NAME WHAT: ends it when c1r0 has been started again and has not spoken yet
+    timeout 300 "$program" sim --scene sheet.obj "${wall[@]}" --live --frames 1000000 --report "$1-$$.json" >"$1.out" 2>"$1.log" &
+    launcher=$!
+    wait_for "$1.log" "tiles that are started again come in at"
+    wait_for "$1.log" "frame "
+    kill -KILL "$(pid_of "$1.log" 1)"
+    wait_for "$1.log" "tile c1r0 is started again"
+    case $2 in
+    interrupt)
+        kill -INT $launcher
+        sleep 0.5
+        kill -INT $launcher 2>/dev/null
+        ;;
+    launcher) kill -KILL "$(pgrep -P $launcher -f gazewall)" ;;
+    rank) kill -KILL "$(pid_of "$1.log" 0)" ;;
+    esac
+    wait $launcher 2>/dev/null
+    nothing_is_left "$1"
+}
+endings interrupted interrupt
+endings orphaned launcher
+endings headless rank
+is "no shared memory is left" "$(find /dev/shm -name 'gazewall-*' -user "$(id -u)" 2>/dev/null | sort)" "$segments"
+expect "restarts without --live" 2 "--restarts goes with --live" sim --scene sheet.obj --restarts 2
+finish

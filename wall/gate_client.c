@@ -20,7 +20,6 @@ static const int64_t millisecond = 1000000;
 gw_code gw_gate_client_open(gw_gate_client *client, const gw_share *share, int rank, int64_t deadline,
                             gw_error *error) {
     uint64_t nonce = 0;
-    memset(client, 0, sizeof *client);
     client->bell.socket = -1;
     gw_code code = gw_ranks_meet(share, NULL, &nonce, deadline, error);
     client->here = share->leader == 0;

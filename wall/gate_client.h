@@ -41,7 +41,7 @@ typedef struct gw_gate_client {
     void *idle_context;
 } gw_gate_client;
 
-/* Over MPI; collective with gw_gate_create. */
+/* Over MPI; collective with gw_gate_create. The client is all zero before, but for the witness. */
 gw_code gw_gate_client_open(gw_gate_client *client, const gw_share *share, int rank, int64_t deadline,
                             gw_error *error);
 /* Over a wire of its own, for a tile that was started again; the client owns it. here: it is rank 0's

@@ -111,7 +111,7 @@ ALL_OBJECTS := $(OBJECTS) $(TREE)/wall/main.o $(TEST_SUPPORT) $(TEST_SOURCES:%.c
 
 # --- targets ---------------------------------------------------------------------------------------------------------
 
-.PHONY: all setup demo tests test hard soak tools lint format docs demo-track moving-scene install clean help
+.PHONY: all setup demo tests test hard soak tools lint format docs tracks demo-track moving-scene install clean help
 
 all: $(PROGRAMS) $(ARCHIVE) $(if $(PROGRAMS),$(OUT)/gazewall)
 
@@ -126,6 +126,7 @@ help:
 	@echo "make lint        layout, static analysis, house rules, shaders; changes nothing"
 	@echo "make format      lay the C sources out by .clang-format"
 	@echo "make docs        write docs/settings.md from the table of settings"
+	@echo "make tracks      write the synthetic recordings of configs/tracks anew"
 	@echo "make demo-track  write configs/tracks/demo.vrpn anew from its formula"
 	@echo "make install     PREFIX=$(PREFIX) DESTDIR=$(DESTDIR)"
 	@echo "make setup       only install what is missing (groups of .ci/packages: run test lint extra)"
@@ -165,6 +166,14 @@ docs: $(TREE)/write_settings
 
 demo-track: $(TREE)/tests/tools/make_demo_track
 	$(quiet)$< configs/tracks/demo.vrpn
+
+# KIND:SEED:SECONDS of configs/tracks/KIND.vrpn.gz; a unit test compares what they expand to.
+TRACKS := standing:1:10 walking:2:10 pursuit:3:10 saccades:4:10 two-viewers:5:6 dropouts:6:12
+tracks: $(PROGRAM)
+	$(quiet)for track in $(TRACKS); do \
+		set -- $$(echo $$track | tr ':' ' '); \
+		$(PROGRAM) record generate:$$1 configs/tracks/$$1.vrpn.gz --seed $$2 --seconds $$3 --overwrite || exit; \
+	done
 
 moving-scene: $(TREE)/tests/tools/make_moving_scene
 	$(quiet)$< configs/scenes/moving.gltf

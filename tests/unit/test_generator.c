@@ -74,7 +74,7 @@ static void saccades_follow_the_main_sequence(void **state) {
     for (size_t i = 0; i < person.saccade_count; i++) {
         const gw_move *saccade = &person.saccades[i];
         const double step = 1e-4;
-        double before[3], now[3], first[3], open, peak = 0.0;
+        double before[3], now[3] = {0}, first[3], open, peak = 0.0;
         gw_person_gaze(&person, saccade->start, first, &open);
         memcpy(before, first, sizeof first);
         for (double t = step; t <= saccade->duration + step; t += step) {

@@ -15,7 +15,8 @@ enum {
     LIST_SOFT,
     LIST_MIXED,
     LIST_REGIONS,
-    LIST_EDGES = LIST_REGIONS + 4,
+    LIST_SAMPLED = LIST_REGIONS + 4,
+    LIST_EDGES = LIST_SAMPLED + 4,
     LIST_COUNT = LIST_EDGES + 4,
     LISTS_AT = 64
 };
@@ -204,8 +205,8 @@ static gw_code bind_batch(gw_frame_job *job, size_t first, gw_error *error) {
     return GW_OK;
 }
 
-/* The first batch is dispatched before anybody knows how many there are. groups: of 64 samples. */
-static gw_code trace_batches(gw_frame_job *job, size_t *groups, gw_error *error) {
+/* The first batch is dispatched before anybody knows how many there are. */
+static gw_code trace_batches(gw_frame_job *job, gw_error *error) {
     uint32_t words[GW_LIST_ARGUMENTS] = {0};
     size_t slots = batch_slots(job), first = 0;
     gw_code code = GW_OK;
@@ -225,7 +226,6 @@ static gw_code trace_batches(gw_frame_job *job, size_t *groups, gw_error *error)
         first += slots;
     } while (!code && first < (size_t)words[1] * GROUP);
     job->counters.rays += words[0];
-    *groups = words[1];
     return code;
 }
 
@@ -261,14 +261,14 @@ static size_t most_cells(const gw_frame_job *job) {
 
 static size_t list_words(const gw_frame_job *job) {
     static const size_t edges[] = {0, 16, 20, 21, 22};
-    const size_t grids = 10 + (job->key.guides ? edges[coarsest_rate(job)] : 0);
+    const size_t grids = 14 + (job->key.guides ? edges[coarsest_rate(job)] : 0);
     return LISTS_AT + grids * (size_t)job->block.list[3];
 }
 
 static gw_code reserve_blending(const gw_frame_job *job, size_t pixel_slots, gw_error *error) {
-    static const uint32_t heads[LIST_COUNT][4] = {{0, 0, 1, 0}, {0, 0, 1, 0}, {0, 0, 1, 0}, {0, 0, 1, 0},
-                                                  {0, 0, 1, 0}, {0, 0, 1, 0}, {0, 0, 1, 0}, {0, 0, 1, 0},
-                                                  {0, 0, 1, 0}, {0, 0, 1, 0}, {0, 0, 1, 0}};
+    uint32_t heads[LIST_COUNT][4] = {{0}};
+    for (size_t i = 0; i < LIST_COUNT; ++i)
+        heads[i][2] = 1;
     gw_renderer *renderer = job->renderer;
     gw_sample_buffers *to = &renderer->samples;
     const size_t cells = most_cells(job), met = job->key.guides ? cells : 0;
@@ -303,39 +303,47 @@ static gw_code draw_list(const gw_frame_job *job, const char *name, const char *
     return code ? code : dispatch_list(job, program, list, error);
 }
 
+static gw_code draw_list_of_rate(const gw_frame_job *job, const char *name, const char *defines,
+                                 uint32_t first_list, uint32_t rate, gw_error *error) {
+    GLuint program;
+    gw_code code = blend_program(job, name, defines, &program, error);
+    if (code)
+        return code;
+    glProgramUniform1ui(program, 0, rate);
+    return dispatch_list(job, program, first_list + rate - 1, error);
+}
+
+/* Sharpness falls within each rate but the coarsest, which has none to fall to. */
+static const char *soft_define(const gw_frame_job *job, uint32_t rate) {
+    return softens(job) && rate < coarsest_rate(job) ? "#define RATE_BLEND 1\n" : "";
+}
+
 /* Patches of a rate: those without edges, then those that the first kernel found to have some. */
 static gw_code draw_patches(const gw_frame_job *job, uint32_t rate, gw_error *error) {
-    const char *soft = softens(job) && rate < coarsest_rate(job) ? "#define RATE_BLEND 1\n" : "";
+    const char *soft = soft_define(job, rate);
     char defines[64];
-    GLuint program;
     snprintf(defines, sizeof defines, "#define RATE %u\n%s", rate, soft);
     gw_code code = draw_list(job, "blend/patches.comp", defines, LIST_REGIONS + rate - 1, error);
-    if (code || !job->key.guides)
-        return code;
-    code = blend_program(job, "blend/edge_patches.comp", soft, &program, error);
-    if (!code) {
-        glProgramUniform1ui(program, 0, rate);
-        code = dispatch_list(job, program, LIST_EDGES + rate - 1, error);
-    }
+    if (!code && job->key.guides)
+        code = draw_list_of_rate(job, "blend/edge_patches.comp", soft, LIST_EDGES, rate, error);
     return code;
 }
 
-/* groups: of 64 samples. */
-static gw_code fill_cells(const gw_frame_job *job, size_t groups, gw_error *error) {
+static gw_code fill_cells(const gw_frame_job *job, gw_error *error) {
     const char *soft = softens(job) ? "#define RATE_BLEND 1\n" : "";
-    GLuint program;
-    gw_code code = blend_program(job, "blend/sample_cells.comp", soft, &program, error);
-    if (!code)
-        code = gw_gl_dispatch(job->renderer->device, program, groups, error);
+    gw_code code = GW_OK;
+    for (uint32_t rate = 1; rate <= coarsest_rate(job) && !code; ++rate)
+        code = draw_list_of_rate(job, "blend/sample_cells.comp", soft_define(job, rate), LIST_SAMPLED, rate,
+                                 error);
     return code ? code : draw_list(job, "blend/mixed_cells.comp", soft, LIST_MIXED, error);
 }
 
-static gw_code reconstruct(gw_frame_job *job, size_t pixel_slots, size_t groups, gw_error *error) {
+static gw_code reconstruct(gw_frame_job *job, size_t pixel_slots, gw_error *error) {
     gw_renderer *renderer = job->renderer;
     gw_sample_buffers *samples = &renderer->samples;
     const uint32_t coarsest = coarsest_rate(job);
     GLuint list;
-    gw_gl_buffer_bind(&samples->samples, GW_BINDING_SAMPLES);
+    gw_gl_buffer_bind(&samples->counts, GW_LIST_BINDING_COUNTS);
     gw_gl_buffer_bind(&samples->sums, GW_BINDING_SUMS);
     if (job->key.guides)
         gw_gl_buffer_bind(&samples->guides, GW_BINDING_GUIDES);
@@ -350,7 +358,7 @@ static gw_code reconstruct(gw_frame_job *job, size_t pixel_slots, size_t groups,
     if (!code && softens(job))
         code = draw_list(job, "blend/fine_blocks.comp", "#define SOFT 1\n", LIST_SOFT, error);
     if (!code && coarsest > 0)
-        code = fill_cells(job, groups, error);
+        code = fill_cells(job, error);
     gw_gl_texture_bind(&samples->cell_colors, GW_UNIT_CELL_COLORS);
     gw_gl_texture_bind(&samples->cell_points, GW_UNIT_CELL_POINTS);
     gw_gl_texture_bind(&samples->cell_marks, GW_UNIT_CELL_MARKS);
@@ -360,12 +368,12 @@ static gw_code reconstruct(gw_frame_job *job, size_t pixel_slots, size_t groups,
 }
 
 /* What comes before it is waited for, or its time would be counted here. */
-static gw_code reconstruct_timed(gw_frame_job *job, size_t pixel_slots, size_t groups, gw_error *error) {
+static gw_code reconstruct_timed(gw_frame_job *job, size_t pixel_slots, gw_error *error) {
     gw_renderer *renderer = job->renderer;
     gw_code code = gw_gl_finish(renderer->device, error);
     const int64_t begin = gw_now_ns();
     if (!code)
-        code = reconstruct(job, pixel_slots, groups, error);
+        code = reconstruct(job, pixel_slots, error);
     if (!code)
         code = gw_gl_finish(renderer->device, error);
     renderer->blend_ns += gw_now_ns() - begin;
@@ -373,10 +381,9 @@ static gw_code reconstruct_timed(gw_frame_job *job, size_t pixel_slots, size_t g
 }
 
 gw_code gw_frame_samples(gw_frame_job *job, size_t pixel_slots, gw_error *error) {
-    size_t groups = 0;
-    gw_code code = trace_batches(job, &groups, error);
+    gw_code code = trace_batches(job, error);
     if (!code)
-        code = job->renderer->time_blending ? reconstruct_timed(job, pixel_slots, groups, error)
-                                            : reconstruct(job, pixel_slots, groups, error);
+        code = job->renderer->time_blending ? reconstruct_timed(job, pixel_slots, error)
+                                            : reconstruct(job, pixel_slots, error);
     return code;
 }

@@ -14,13 +14,15 @@ struct Patch_triangle {
     float offset, nearest, farthest; // of t
 };
 
-// What the four cells round the patch met.
-Met met[4];
-uint ids[16];           // of all sixteen
-mat4 alike, level;      // likeness of the four, by depth and normal, by depth alone
-float pairs;            // how many of the six are on one surface
-vec4 counts;            // how many of the sixteen met the same triangle as each of the four
-bvec4 tested;           // each of the four met a triangle that can be tested
+// Of the four cells round the patch. Triangles that only one of the sixteen samples met are grain, no silhouettes; three say where a
+// surface ends.
+mat4 alike, level;                    // likeness by depth and normal, by depth alone
+float creases[6], gaps[6], misses[6]; // of the pairs 01 02 03 12 13 23: 1 where they are on two surfaces, by either; where only one tells
+float together;                       // pairs on one surface
+bvec4 tested;                         // it met a triangle that can be tested
+vec4 telling;                         // 1: one that is large enough to say where its surface ends
+vec4 lone;                            // 1: one that no other sample met
+vec4 open_from;                       // t of what it met that does not tell, 1e30 if nothing is left open
 Patch_triangle cut[4];
 int largest_axis;
 vec2 slopes;
@@ -74,37 +76,43 @@ Patch_triangle patch_triangle(uint id) {
     return triangle;
 }
 
+void compare_pair(Met a, Met b, int k, int l, int pair) {
+    vec2 like = likeness(a, b);
+    alike[k][l] = alike[l][k] = like.x;
+    level[k][l] = level[l][k] = like.y;
+    creases[pair] = 1.0 - like.x;
+    gaps[pair] = 1.0 - like.y;
+    misses[pair] = telling[k] != telling[l] ? gaps[pair] : 0.0;
+    together += like.y;
+}
+
 // cell: the first of the four; direction: through the patch's middle.
 void load_edges(ivec2 cell, uint rate, vec3 direction) {
-    uint corner = number_of_cell(cell - 1, rate), row = cells_per_row(rate);
+    uint corner = number_of_cell(cell - 1, rate), row = cells_per_row(rate), ids[16];
+    Met met[4];
     for (int k = 0; k < 16; ++k)
         ids[k] = CELL_MARK(corner + uint(k >> 2) * row + uint(k & 3)).x;
     aim(direction);
     for (int k = 0; k < 4; ++k) {
         met[k] = met_at(corner + uint(1 + (k >> 1)) * row + uint(1 + (k & 1)));
-        counts[k] = 0.0;
+        float count = 0.0;
         for (int j = 0; j < 16; ++j)
-            counts[k] += ids[j] == met[k].id ? 1.0 : 0.0;
+            count += ids[j] == met[k].id ? 1.0 : 0.0;
         tested[k] = can_be_tested(met[k].id);
+        telling[k] = tested[k] && count >= 3.0 ? 1.0 : 0.0;
+        lone[k] = count < 2.0 ? 1.0 : 0.0;
+        open_from[k] = met[k].point.w > 0.0 && telling[k] == 0.0 ? met[k].point.w : 1e30;
         cut[k] = patch_triangle(tested[k] ? met[k].id : 0u);
     }
     alike = level = mat4(1.0);
-    pairs = 0.0;
-    for (int k = 0; k < 3; ++k)
-        for (int l = k + 1; l < 4; ++l) {
-            vec2 like = likeness(met[k], met[l]);
-            alike[k][l] = alike[l][k] = like.x;
-            level[k][l] = level[l][k] = like.y;
-            pairs += like.y;
-        }
+    together = 0.0;
+    compare_pair(met[0], met[1], 0, 1, 0);
+    compare_pair(met[0], met[2], 0, 2, 1);
+    compare_pair(met[0], met[3], 0, 3, 2);
+    compare_pair(met[1], met[2], 1, 2, 3);
+    compare_pair(met[1], met[3], 1, 3, 4);
+    compare_pair(met[2], met[3], 2, 3, 5);
 }
-
-// What a pixel's ray meets of the triangles of the four samples round it.
-struct Test_of_samples {
-    int met;     // the one, 0 to 3, that it meets first; -1: none, or another surface may lie in front: a sample of one is nearer
-                 // whose triangle is too small to say where that surface ends
-    vec4 missed; // 1: it does not meet any, and this one's triangle is large enough to say that its surface is not there
-};
 
 // t at which the sheared ray meets the triangle of one of the four, 1e30 where it does not.
 float meet(int k, vec3 ray) {
@@ -119,52 +127,52 @@ float meet(int k, vec3 ray) {
     return tested[k] && inside ? t : 1e30;
 }
 
-// Triangles that only one of the sixteen samples met are grain, no silhouettes; three say where a surface ends.
-Test_of_samples test_samples(vec3 direction) {
+// What of the four is on the surface that the ray meets first; x below 0: it meets none.
+vec4 met_surface(vec3 direction, out bool open) {
     vec3 ray = sheared(direction);
-    float nearest = 1e30;
-    Test_of_samples result = Test_of_samples(-1, vec4(0.0));
+    float nearest = 1e30, alone = 0.0;
+    vec4 like = vec4(-1.0);
     for (int k = 0; k < 4; ++k) {
         float t = meet(k, ray);
-        result.met = t < nearest ? k : result.met;
-        nearest = min(t, nearest);
+        bool nearer = t < nearest;
+        like = nearer ? alike[k] : like;
+        alone = nearer ? lone[k] : alone;
+        nearest = nearer ? t : nearest;
     }
-    bool hit = result.met >= 0, open = false;
-    vec4 like = alike[max(result.met, 0)];
-    for (int k = 0; k < 4; ++k) {
-        float t = met[k].point.w;
-        bool nearer = t > 0.0 && t < nearest && like[k] < 0.5;
-        bool telling = tested[k] && counts[k] >= 3.0;
-        open = open || (nearer && !telling) || (k == result.met && counts[k] < 2.0);
-#ifndef MISSES_SAY_NOTHING // the naive variant, for the test that shows why
-        result.missed[k] = telling && !hit ? 1.0 : 0.0;
-#endif
-    }
-    result.met = open ? -1 : result.met;
-    return result;
+    // Another surface may lie in front: a nearer sample's triangle is too small to say where that surface ends.
+    bvec4 before = lessThan(open_from, vec4(nearest)), other = lessThan(like, vec4(0.5));
+    open = alone > 0.0 || (before.x && other.x) || (before.y && other.y) || (before.z && other.z) || (before.w && other.w);
+    return like;
 }
 
 // color: without edges; share: the pixel's place in the patch; direction: its ray.
 vec3 cut_at_edges(vec3 color, vec2 share, vec3 direction) {
     precise vec4 tent = vec4((1.0 - share.x) * (1.0 - share.y), share.x * (1.0 - share.y), (1.0 - share.x) * share.y,
                              share.x * share.y);
-    // apart: how much of the pixel lies between samples of two surfaces. Without a triangle that decides, creases are no edges.
-    precise vec2 apart = vec2(0.0);
-    for (int k = 0; k < 3; ++k)
-        for (int l = k + 1; l < 4; ++l)
-            apart += tent[k] * tent[l] * (1.0 - vec2(alike[k][l], level[k][l]));
-    Test_of_samples test = test_samples(direction);
-    // What is left when surfaces that are not there go: a silhouette must lose as many pixels as it gains.
-    vec4 left = tent * (1.0 - test.missed), gone = tent * test.missed;
-    precise float parted = 0.0;
-    for (int k = 0; k < 4; ++k)
-        parted += gone[k] * dot(left, vec4(1.0) - level[k]);
-    bool by_miss = parted > 0.0, decided = test.met >= 0 || by_miss;
-    // Without a triangle that decides: the majority, where the four are of two surfaces, not of three or four.
-    precise vec4 share_of = level * tent, square = share_of * share_of;
-    precise vec4 weights = by_miss ? left : test.met >= 0 ? alike[max(test.met, 0)] * (tent + 1e-4) : tent * square * square;
-    float divided = by_miss ? parted : test.met >= 0 ? apart.x : apart.y;
-    float borne_out = decided ? 1.0 : clamp(pairs - 1.0, 0.0, 1.0);
+    precise float both[6] =
+        float[6](tent.x * tent.y, tent.x * tent.z, tent.x * tent.w, tent.y * tent.z, tent.y * tent.w, tent.z * tent.w);
+    // How much of the pixel lies between samples of two surfaces, and of one that is not there. Without a triangle that decides,
+    // creases are no edges.
+    precise float crease = 0.0, gap = 0.0, missed = 0.0;
+    for (int pair = 0; pair < 6; ++pair) {
+        crease += both[pair] * creases[pair];
+        gap += both[pair] * gaps[pair];
+        missed += both[pair] * misses[pair];
+    }
+    bool open;
+    vec4 like = met_surface(direction, open);
+    bool hit = like.x >= 0.0, by_hit = hit && !open;
+#ifdef MISSES_SAY_NOTHING // the naive variant, for the test that shows why
+    bool by_miss = false;
+#else
+    bool by_miss = !hit && missed > 0.0;
+#endif
+    // By a miss: what is left when surfaces that are not there go; a silhouette must lose as many pixels as it gains. Without a
+    // triangle that decides: the majority, where the four are of two surfaces, not of three or four.
+    precise vec4 share_of = level * tent, square = share_of * share_of, most_of = square * square;
+    precise vec4 weights = by_hit ? like * (tent + 1e-4) : tent * (by_miss ? vec4(1.0) - telling : most_of);
+    float divided = by_hit ? crease : by_miss ? missed : gap;
+    float borne_out = by_hit || by_miss ? 1.0 : clamp(together - 1.0, 0.0, 1.0);
     precise vec3 kept = weighted(weights, near_cells[5].rgb, near_cells[6].rgb, near_cells[9].rgb, near_cells[10].rgb) /
                         max(weights.x + weights.y + weights.z + weights.w, 1e-20);
     return mix(color, kept, clamp(16.0 * divided, 0.0, 1.0) * borne_out);

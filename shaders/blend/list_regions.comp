@@ -5,9 +5,9 @@
 #include "common/frame_block.glsl"
 layout(local_size_x = 64) in;
 uniform uint group_base;
+layout(std430, binding = 1) readonly buffer Counts { uint block_samples[]; }; // of sample/count.comp
 layout(std430, binding = 10) readonly buffer Blocks { uint blocks[]; };
 #include "blend/lists.glsl"
-#define OPEN_LISTS 7u
 shared uint counts[OPEN_LISTS], begins[OPEN_LISTS];
 
 ivec2 grid_size() {
@@ -51,6 +51,11 @@ uint wanted_rates(ivec2 region) {
     return bits & (wide ? 30u : 14u);
 }
 
+// Of lists of a rate.
+uint rate_of_list(uint list) {
+    return list < 3u ? 0u : ((list - 3u) & 3u) + 1u;
+}
+
 void main() {
     uint index = (group_base + gl_WorkGroupID.x) * 64u + gl_LocalInvocationIndex;
     if (gl_LocalInvocationIndex < OPEN_LISTS)
@@ -63,20 +68,22 @@ void main() {
     many[OWN_BLOCKS] = fine && !soft ? 1u : 0u;
     many[SOFT_BLOCKS] = soft ? 1u : 0u;
     many[MIXED_REGIONS] = uint(bitCount(mixed));
-    for (uint rate = 1u; rate <= 4u; ++rate)
+    for (uint rate = 1u; rate <= 4u; ++rate) {
         many[REGIONS_OF(rate)] = (wanted >> rate) & 1u;
+        many[SAMPLED_OF(rate)] = GW_BLOCK_RATE(word) == rate && block_samples[index] > 0u ? 1u : 0u;
+    }
     for (uint list = 0u; list < OPEN_LISTS; ++list)
         if (many[list] > 0u)
             places[list] = atomicAdd(counts[list], many[list]);
     barrier();
     if (gl_LocalInvocationIndex < OPEN_LISTS) {
-        uint list = gl_LocalInvocationIndex, across = patches_across(max(list, 3u) - 2u);
+        uint list = gl_LocalInvocationIndex, across = patches_across(rate_of_list(list));
         begins[list] = list_begin(list) + extend_list(list, counts[list], list < 3u ? 1u : 64u / (across * across));
     }
     barrier();
     for (uint list = 0u; list < OPEN_LISTS; ++list)
         if (many[list] > 0u && list != MIXED_REGIONS)
-            lists[begins[list] + places[list]] = packed_place(block, max(list, 2u) - 2u);
+            lists[begins[list] + places[list]] = packed_place(block, rate_of_list(list));
     uint at = begins[MIXED_REGIONS] + places[MIXED_REGIONS];
     for (uint rate = 1u; rate <= 4u; ++rate)
         if (((mixed >> rate) & 1u) != 0u)

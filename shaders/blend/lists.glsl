@@ -10,12 +10,13 @@ layout(std430, binding = 25) buffer Lists { uint lists[]; };
 #define SOFT_BLOCKS 1u           // at full rate, sharpness has begun to fall
 #define MIXED_REGIONS 2u         // some of their cells lie in blocks of other rates
 #define REGIONS_OF(rate) (2u + (rate))
-#define EDGES_OF(rate) (6u + (rate)) // patches with silhouettes or creases between their samples
-#define LIST_COUNT 11u
+#define SAMPLED_OF(rate) (6u + (rate)) // blocks with samples, also in the rim
+#define EDGES_OF(rate) (10u + (rate))  // patches with silhouettes or creases between their samples
+#define OPEN_LISTS 11u                 // that blend/list_regions.comp fills; edges are found later
 
 // Where a list begins, in grids of blocks: its room is what follows up to the next.
 uint list_begin(uint list) {
-    uint grids = list < 3u ? list : list < 7u ? 3u + list : list == 7u ? 10u : list == 8u ? 26u : list == 9u ? 30u : 31u;
+    uint grids = list < 3u ? list : list < 12u ? 3u + list : list == 12u ? 30u : list == 13u ? 34u : 35u;
     return LISTS_AT + grids * uint(frame.list.w);
 }
 

@@ -50,29 +50,35 @@ static void jacobi(int n, double a[4][4], double v[4][4]) {
             }
 }
 
-/* A set of points: those of `all` but number `without` (-1: all), and what is fixed already. */
+/* A set of points, and their sums. */
 typedef struct problem {
     const gw_calibration_point *points;
     uint32_t count, used;
-    int32_t without;
+    uint64_t skipped;      /* bit i: not point i */
     double middle[2][3];   /* of device and wall */
     double products[3][3]; /* sum of device times wall, about the middles */
     double squares[2];     /* sums of squares of device and wall, about the middles */
 } problem;
 
+static int is_skipped(const problem *p, uint32_t i) {
+    return (int)(p->skipped >> i & 1);
+}
+
 static void gather(problem *p) {
     memset(p->middle, 0, sizeof p->middle);
     memset(p->products, 0, sizeof p->products);
     p->squares[0] = p->squares[1] = 0;
-    p->used = p->count - (p->without >= 0);
+    p->used = 0;
     for (uint32_t i = 0; i < p->count; i++)
-        for (int k = 0; k < 3 && (int32_t)i != p->without; k++) {
+        p->used += !is_skipped(p, i);
+    for (uint32_t i = 0; i < p->count; i++)
+        for (int k = 0; k < 3 && !is_skipped(p, i); k++) {
             p->middle[0][k] += p->points[i].device[k] / p->used;
             p->middle[1][k] += p->points[i].wall[k] / p->used;
         }
     for (uint32_t i = 0; i < p->count; i++) {
         double d[3], w[3];
-        if ((int32_t)i == p->without)
+        if (is_skipped(p, i))
             continue;
         for (int k = 0; k < 3; k++) {
             d[k] = p->points[i].device[k] - p->middle[0][k];
@@ -134,7 +140,7 @@ static void finish(const problem *p, double unit, solution *out) {
         out->room.shift[k] = p->middle[1][k] - at[k];
     out->squares = 0;
     for (uint32_t i = 0; i < p->count; i++) {
-        if ((int32_t)i == p->without)
+        if (is_skipped(p, i))
             continue;
         gw_room_position(&out->room, p->points[i].device, at);
         for (int k = 0; k < 3; k++)
@@ -201,7 +207,7 @@ static void deviations(const problem *p, int wall, double out[3]) {
     double a[4][4] = {{0}}, v[4][4];
     for (uint32_t i = 0; i < p->count; i++) {
         const double *at = wall ? p->points[i].wall : p->points[i].device;
-        for (int j = 0; j < 3 && (int32_t)i != p->without; j++)
+        for (int j = 0; j < 3 && !is_skipped(p, i); j++)
             for (int k = 0; k < 3; k++)
                 a[j][k] += (at[j] - p->middle[wall][j]) * (at[k] - p->middle[wall][k]) / p->used;
     }
@@ -263,34 +269,35 @@ static double distance(const gw_room *room, const gw_calibration_point *point) {
     return sqrt(dot(at, at));
 }
 
-/* What each point is off by the others' solution. The one without which the rest fits best is bad, if it is
- * far from where they put it. */
-static void find_bad(const problem *all, gw_calibration *out) {
-    double least = INFINITY;
+/* The solution without point i, too; 0 where the rest cannot be solved. */
+static int solve_without(const problem *p, uint32_t i, problem *rest, solution *out) {
+    double wide[3];
+    int known;
+    *rest = *p;
+    rest->skipped |= UINT64_C(1) << i;
+    gather(rest);
+    deviations(rest, 1, wide);
+    if (rest->used < 3 || wide[1] < 20)
+        return 0;
+    solve_hands(rest, out, &known);
+    return 1;
+}
+
+/* The point without which the rest fits best is bad, if it is far from where they put it; else -1. */
+static int32_t find_bad(const problem *p) {
+    double least = INFINITY, away = 0, error = 0;
     int32_t suspect = -1;
-    double error = 0;
-    out->left_out = -1;
-    for (uint32_t i = 0; i < all->count; i++) {
-        problem rest = *all;
+    for (uint32_t i = 0; i < p->count; i++) {
+        problem rest;
         solution without;
-        double wide[3];
-        int known;
-        rest.without = (int32_t)i;
-        gather(&rest);
-        deviations(&rest, 1, wide);
-        out->alone[i] = -1;
-        if (rest.used < 3 || wide[1] < 20)
+        if (!solve_without(p, i, &rest, &without) || rest.used < 5 || without.squares >= least)
             continue;
-        solve_hands(&rest, &without, &known);
-        out->alone[i] = distance(&without.room, &all->points[i]);
-        if (rest.used >= 5 && without.squares < least) {
-            least = without.squares;
-            error = sqrt(3 * variance(&rest, &without));
-            suspect = (int32_t)i;
-        }
+        least = without.squares;
+        away = distance(&without.room, &p->points[i]);
+        error = sqrt(3 * variance(&rest, &without));
+        suspect = (int32_t)i;
     }
-    if (suspect >= 0 && out->alone[suspect] > BAD_DISTANCE && out->alone[suspect] > BAD_ERRORS * error)
-        out->left_out = suspect;
+    return away > BAD_DISTANCE && away > BAD_ERRORS * error ? suspect : -1;
 }
 
 /* Degrees of the turn that is left. */
@@ -326,7 +333,7 @@ static void snap_all(const problem *p, solution *best, gw_calibration *out) {
 
 gw_code gw_calibrate(const gw_calibration_point *points, uint32_t count, int snap, gw_calibration *out,
                      gw_error *error) {
-    problem p = {.points = points, .count = count, .without = -1};
+    problem p = {.points = points, .count = count};
     solution best;
     memset(out, 0, sizeof *out);
     gw_code code = check_count(count, error);
@@ -337,9 +344,9 @@ gw_code gw_calibrate(const gw_calibration_point *points, uint32_t count, int sna
     if (code)
         return code;
     solve_hands(&p, &best, &out->hand_known);
-    find_bad(&p, out);
+    out->left_out = find_bad(&p);
     if (out->left_out >= 0) { /* its error may have hidden the hand */
-        p.without = out->left_out;
+        p.skipped = UINT64_C(1) << out->left_out;
         gather(&p);
         solve_hands(&p, &best, &out->hand_known);
     }
@@ -357,12 +364,16 @@ gw_code gw_calibrate(const gw_calibration_point *points, uint32_t count, int sna
     out->rms = sqrt(best.squares / p.used);
     out->expected = sqrt(3 * variance(&p, &best) / p.used);
     out->expected_turn = DEGREES * sqrt(variance(&p, &best) / p.used) / hypot(out->spread[1], out->spread[2]);
-    for (uint32_t i = 0; i < count; i++)
+    for (uint32_t i = 0; i < count; i++) {
+        problem rest;
+        solution without;
         out->residuals[i] = distance(&best.room, &points[i]);
+        out->alone[i] = solve_without(&p, i, &rest, &without) ? distance(&without.room, &points[i]) : -1;
+    }
     return GW_OK;
 }
 
-void gw_mark_of(const double (*samples)[3], uint32_t count, gw_mark *out) {
+void gw_mark_of(double (*samples)[3], uint32_t count, gw_mark *out) {
     double squares = 0;
     memset(out, 0, sizeof *out);
     for (uint32_t i = 0; i < count; i++) {

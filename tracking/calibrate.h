@@ -52,7 +52,7 @@ typedef struct gw_mark {
     double farthest; /* from the mean, of any sample */
 } gw_mark;
 /* Samples that are no numbers are left out. */
-void gw_mark_of(const double (*samples)[3], uint32_t count, gw_mark *out);
+void gw_mark_of(double (*samples)[3], uint32_t count, gw_mark *out);
 
 /* What a viewer's gazes at known targets were off by. Degrees; right and up as the viewer sees it. */
 typedef struct gw_gaze_sample {

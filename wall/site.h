@@ -11,6 +11,7 @@
 #include "wall/layout.h"
 
 #include <stdint.h>
+#include <stdio.h>
 
 /* How a panel shows two eyes (docs/sites.md). */
 typedef enum gw_stereo {
@@ -87,6 +88,9 @@ void gw_site_warn(const char *path, const gw_site_notes *notes, const gw_log *lo
 
 /* The site as YAML with measured `tiles`, which reads back as the same bits; free() it. */
 gw_code gw_site_write(const gw_site *site, char **text, size_t *size, gw_error *error);
+
+/* Unit, axes, turn and shift of a tracker as a site file has them, to be pasted into one. */
+void gw_site_put_room(FILE *out, const gw_room *room, const char *indent);
 
 /* Top view, front and bird's-eye view as SVG with a scale in mm; title stands above. free() it. */
 gw_code gw_site_draw(const gw_site *site, const char *title, char **svg, size_t *size, gw_error *error);

@@ -75,7 +75,6 @@ void gw_site_change(gw_site_changes *out, int restart, const char *format, ...)
 void gw_site_compare_trackers(gw_site_changes *out, const gw_site *before, const gw_site *after);
 void gw_site_put_number(FILE *out, double value); /* the shortest decimal that is read as the same double */
 void gw_site_put_numbers(FILE *out, const double *values, int count);
-void gw_site_put_room(FILE *out, const gw_room *room, const char *indent); /* unit, axes, turn, shift */
 void gw_site_put_trackers(FILE *out, const gw_site *site);
 
 /* Keys panel, panels and hosts of the site, and the key panel of tiles and walls. After the layout. */

@@ -19,6 +19,8 @@ const gw_verb gw_verbs[] = {
     {"inspect", "what is in a scene, its octree, or this machine's GL device", gw_verb_inspect},
     {"replay", "what is in a recording of head and gaze trackers", gw_verb_replay},
     {"record", "trackers into a file, or people made by formula", gw_verb_record},
+    {"calibrate", "where a tracker stands, in which unit and axes, from measured points; errors of gazes",
+     gw_verb_calibrate},
     {"bench", "measures: build time, bytes, rays against Embree, modes, layouts (see its --help)",
      gw_verb_bench},
     {"codes", "reads the tiles' frame codes from a picture of the wall", gw_verb_codes},

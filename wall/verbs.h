@@ -29,6 +29,7 @@ int gw_verb_check(int argc, char **argv);
 int gw_verb_inspect(int argc, char **argv);
 int gw_verb_replay(int argc, char **argv);
 int gw_verb_record(int argc, char **argv);
+int gw_verb_calibrate(int argc, char **argv);
 int gw_verb_bench(int argc, char **argv);
 int gw_verb_settings(int argc, char **argv);
 int gw_verb_codes(int argc, char **argv);

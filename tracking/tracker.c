@@ -6,6 +6,7 @@
 #include <string.h>
 
 static const double radians_per_degree = 0.017453292519943295;
+static const int64_t SLOWEST_GAZE = 33333333; /* ns: no eye tracker has fewer than 30 samples a second */
 
 static gw_tracker_tuning tuning_of(const gw_settings *s) {
     const double limit = s->prediction_limit < s->hold_time ? s->prediction_limit : s->hold_time;
@@ -33,8 +34,10 @@ void gw_tracker_reset(gw_tracker *tracker) {
     memset(tracker->clocks, 0, sizeof tracker->clocks);
     memset(tracker->heads, 0, sizeof tracker->heads);
     memset(tracker->gazes, 0, sizeof tracker->gazes);
-    for (int i = 0; i < GW_TRACK_VIEWERS; i++)
+    for (int i = 0; i < GW_TRACK_VIEWERS; i++) {
         gw_gaze_filter_begin(&tracker->gazes[i].filter, &tracker->tuning.gaze);
+        tracker->gazes[i].sensor.period = SLOWEST_GAZE; /* until it is known */
+    }
 }
 
 gw_code gw_tracker_create(const gw_tracker_setup *setup, const gw_tracker_options *options, gw_tracker **out,

@@ -44,6 +44,9 @@ gw_code gw_conductor_init(gw_conductor *conductor, struct gw_rank *rank, int arg
     if (!code)
         code = gw_allocate((void **)&conductor->milliseconds, conductor->kept, sizeof(double), "frame times",
                            error);
+    if (!code)
+        code = gw_allocate((void **)&conductor->latencies, conductor->kept, sizeof *conductor->latencies,
+                           "latencies", error);
     if (!code && options->out)
         code = gw_make_directories(options->out, error);
     if (!code && options->out)
@@ -186,6 +189,14 @@ static int is_last(const gw_conductor *conductor, const struct gw_rank *rank, ui
            (rank->options.save_states && frame + 1 == GW_MAXIMUM_STATES);
 }
 
+/* What came after the state, for this frame's budget. */
+static void note_latency(gw_conductor *conductor, const struct gw_rank *rank, uint32_t frame,
+                         double slowest) {
+    const double refresh = gw_sim_times(&rank->options, &rank->site).refresh;
+    const double whole = conductor->milliseconds[gw_kept(conductor, frame)];
+    gw_latency_complete(&conductor->latencies[gw_kept(conductor, frame)], slowest, whole, refresh);
+}
+
 static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_t frame, int64_t start,
                           int *last, gw_error *error) {
     gw_pilot_poll(conductor->pilot, frame);
@@ -226,6 +237,7 @@ static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_
     if (code)
         return code;
     conductor->slowest_ms = slowest;
+    note_latency(conductor, rank, frame, slowest);
     gw_counters_add(&conductor->counters, &sum);
     if (gw_budget_is_on(&conductor->budget))
         gw_budget_decide(&conductor->budget, &release.state);

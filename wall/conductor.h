@@ -5,14 +5,15 @@
 
 #include "base/hash.h"
 #include "base/status.h"
-#include "tracking/track.h"
 #include "wall/budget.h"
 #include "wall/frames.h"
 #include "wall/gate.h"
+#include "wall/latency.h"
 #include "wall/overlay.h"
 #include "wall/pilot.h"
 #include "wall/serve.h"
 #include "wall/site_watch.h"
+#include "wall/tracked.h"
 #include "wall/video.h"
 
 #include <jansson.h>
@@ -27,7 +28,7 @@ enum { GW_USUAL_FRAMES = 16 };
 
 typedef struct gw_conductor {
     json_t *report;
-    gw_track *track;      /* NULL with recorded states, or a gaze from the command line */
+    gw_tracked *tracked;  /* NULL with recorded states, or a gaze from the command line */
     gw_states recorded;   /* of --states */
     double stare[3];      /* mm, for --gaze */
     gw_camera_path path;  /* of --path; keys owned; no keys: the scene stands as it is placed */
@@ -38,6 +39,7 @@ typedef struct gw_conductor {
     int scene_moves;                     /* it is animated, so every frame's time is a view of its own */
     gw_frame_state *states;              /* [kept], as sent; frame N at N modulo kept */
     double *milliseconds;                /* [kept], release to last pixel */
+    gw_latency *latencies;               /* [kept] */
     double tile_ms[GW_USUAL_FRAMES];     /* median tile of the last frames, by number modulo */
     uint32_t missed[GW_MISSED_LOST + 1]; /* tiles of this frame, by gw_tile_missed */
     uint32_t missing;                    /* tiles without which this frame went on */

@@ -48,11 +48,12 @@ gw_code gw_conductor_open_rows(gw_conductor *conductor, const char *folder, gw_e
         conductor->rows ? GW_OK : gw_fail(error, GW_NO_OUTPUT, "%s/frames.csv cannot be written", folder);
     free(path);
     if (!code)
-        fputs("frame,presented_ms,time_s,eye_x_mm,eye_y_mm,eye_z_mm,gazes,gaze_x,gaze_y,gaze_z,gaze_age_s,"
-              "gaze_confidence,tau,tau_inside,epoch,accumulate,strain,gaze_margin,acuity_slope,sample_block,"
-              "error_worst,error_mean,rays,frame_ms,slowest_tile_ms,late_tiles,skipped_tiles,"
-              "lost_tiles\n",
-              conductor->rows);
+        fputs(
+            "frame,presented_ms,time_s,eye_x_mm,eye_y_mm,eye_z_mm,gazes,gaze_x,gaze_y,gaze_z,gaze_age_s,"
+            "gaze_confidence,tau,tau_inside,epoch,accumulate,strain,gaze_margin,acuity_slope,sample_block,"
+            "error_worst,error_mean,rays,frame_ms,slowest_tile_ms,age_ms,filter_ms,wait_ms,trace_ms,gate_ms,"
+            "scan_out_ms,latency_ms,predicted_ms,late_tiles,skipped_tiles,lost_tiles\n",
+            conductor->rows);
     return code;
 }
 
@@ -72,7 +73,7 @@ gw_code gw_conductor_describe(gw_conductor *conductor, const struct gw_rank *ran
     const gw_octree *octree = model->octree;
     const gw_gl_limits *limits = gw_gl_limits_of(model->device);
     conductor->scene_moves = scene->animation != NULL;
-    if (rank->options.step < 0 && !conductor->track && scene->animation)
+    if (rank->options.step < 0 && !conductor->tracked && scene->animation)
         conductor->step = 1000000000 / 30; /* nothing else tells the pace at which it plays */
     gw_code code = gw_conductor_take_path(conductor, rank, error);
     if (code)
@@ -94,6 +95,17 @@ gw_code gw_conductor_describe(gw_conductor *conductor, const struct gw_rank *ran
     return gw_report_floats(conductor->report, model->device, error);
 }
 
+/* Empty cells where nobody is tracked. */
+static void write_latency(FILE *rows, const gw_latency *latency) {
+    if (!latency->tracked) {
+        fputs(",,,,,,,,", rows);
+        return;
+    }
+    for (int i = 0; i < GW_LATENCY_STAGES; i++)
+        fprintf(rows, "%.3f,", (double)latency->ms[i]);
+    fprintf(rows, "%.3f,%.3f,", gw_latency_total(latency), (double)latency->predicted);
+}
+
 void gw_conductor_write_row(gw_conductor *conductor, uint32_t frame, const gw_counters *sum, double presented,
                             double slowest) {
     const gw_frame_state *s = &conductor->states[gw_kept(conductor, frame)],
@@ -101,13 +113,15 @@ void gw_conductor_write_row(gw_conductor *conductor, uint32_t frame, const gw_co
     const gw_gaze *g = &s->gazes[0]; /* all zero when there is none */
     fprintf(conductor->rows,
             "%" PRIu32 ",%.3f,%.9f,%.9g,%.9g,%.9g,%" PRIu32 ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%" PRIu32
-            ",%d,%.9g,%.9g,%.9g,%d,%.6g,%.6g,%" PRIu64 ",%.3f,%.3f,%" PRIu32 ",%" PRIu32 ",%" PRIu32 "\n",
+            ",%d,%.9g,%.9g,%.9g,%d,%.6g,%.6g,%" PRIu64 ",%.3f,%.3f,",
             s->frame, presented, (double)s->time * 1e-9, s->eye[0], s->eye[1], s->eye[2], s->gaze_count,
             (double)g->direction[0], (double)g->direction[1], (double)g->direction[2], (double)g->age,
             (double)g->confidence, (double)knobs.tau, (double)knobs.tau_inside, s->epoch, s->accumulate,
             (double)s->strain, (double)knobs.gaze_margin, (double)knobs.acuity_slope, 1 << knobs.sample_block,
             gw_predicted_error_worst(&conductor->seen), gw_predicted_error_mean(&conductor->seen), sum->rays,
-            conductor->milliseconds[gw_kept(conductor, frame)], slowest, conductor->missed[GW_MISSED_LATE],
+            conductor->milliseconds[gw_kept(conductor, frame)], slowest);
+    write_latency(conductor->rows, &conductor->latencies[gw_kept(conductor, frame)]);
+    fprintf(conductor->rows, "%" PRIu32 ",%" PRIu32 ",%" PRIu32 "\n", conductor->missed[GW_MISSED_LATE],
             conductor->missed[GW_MISSED_SKIPPED], conductor->missed[GW_MISSED_LOST]);
     fflush(conductor->rows);
 }
@@ -224,6 +238,11 @@ gw_code gw_conductor_finish(gw_conductor *conductor, struct gw_rank *rank, gw_er
     gw_report_frames(conductor->report, conductor->milliseconds, known_frames(conductor),
                      conductor->frame_count);
     gw_report_ended(conductor->report, gw_link_stop(&rank->line));
+    json_object_set_new(conductor->report, "latency_ms",
+                        gw_latency_json(conductor->latencies, known_frames(conductor)));
+    if (conductor->tracked)
+        gw_tracked_report(conductor->tracked, conductor->report);
+    gw_tracked_close(&conductor->tracked);
     gw_report_counters(conductor->report, &conductor->counters);
     const gw_frame_state *last = &conductor->states[gw_kept(conductor, conductor->frame_count - 1)];
     gw_report_predicted_error(conductor->report, &conductor->predicted, last,

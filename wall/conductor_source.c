@@ -1,4 +1,4 @@
-/* What the frames of a run are made from: a track, recorded states, a fixed gaze, a camera path. */
+/* What the frames of a run are made from: trackers, recorded states, a fixed gaze, a camera path. */
 #include "wall/conductor_internal.h"
 
 #include "base/clock.h"
@@ -11,16 +11,16 @@
 #include <inttypes.h>
 #include <string.h>
 
-static gw_code read_track(gw_conductor *conductor, const struct gw_rank *rank, gw_error *error) {
+static gw_code open_tracking(gw_conductor *conductor, const struct gw_rank *rank, gw_error *error) {
     const gw_sim_options *options = &rank->options;
-    gw_track_options how = {.log = &rank->line.log};
-    gw_code code = options->track ? gw_track_load(options->track, &how, &conductor->track, error)
-                                  : gw_track_demo(rank->site.layout.size[0], rank->site.layout.size[1],
-                                                  &conductor->track, error);
+    const gw_tracked_options how = {.track = options->track,
+                                    .site = &rank->site,
+                                    .settings = &options->draw.settings,
+                                    .log = &rank->line.log};
+    gw_code code = gw_tracked_open(&how, conductor->report, &conductor->tracked, error);
     if (code)
         return code;
-    gw_report_track(conductor->report, conductor->track);
-    int64_t left = conductor->track->duration - conductor->first_time;
+    int64_t left = gw_tracked_duration(conductor->tracked) - conductor->first_time;
     /* Without the far end: on a track that comes back to its start, the last frame would repeat the first. */
     if (options->step < 0 && !gw_sim_runs_free(options))
         conductor->step = left > 0 ? left / conductor->frame_count : 0;
@@ -57,7 +57,7 @@ static gw_code choose_source(gw_conductor *conductor, const struct gw_rank *rank
     }
     if (options->gaze == GW_GAZE_AT_PIXEL)
         return gw_layout_point(&rank->site.layout, options->gaze_pixel, conductor->stare, error);
-    return options->gaze == GW_GAZE_NONE ? GW_OK : read_track(conductor, rank, error);
+    return options->gaze == GW_GAZE_NONE ? GW_OK : open_tracking(conductor, rank, error);
 }
 
 gw_code gw_conductor_choose_source(gw_conductor *conductor, const struct gw_rank *rank, gw_error *error) {
@@ -79,7 +79,7 @@ static int64_t time_of(const gw_conductor *conductor, uint32_t frame) {
     if (!conductor->started || !frame)
         return conductor->first_time + (int64_t)frame * conductor->step;
     int64_t passed = gw_now_ns() - conductor->started;
-    int64_t left = conductor->track ? conductor->track->duration - conductor->first_time : 0;
+    int64_t left = conductor->tracked ? gw_tracked_duration(conductor->tracked) - conductor->first_time : 0;
     return conductor->first_time + (left > 0 ? passed % left : passed);
 }
 
@@ -139,26 +139,30 @@ static void navigate(const gw_conductor *conductor, gw_frame_state *state) {
     }
 }
 
-/* Eyes and gaze: those of the track, of the command line, or of the pilot. */
-static void look(const gw_conductor *conductor, const struct gw_rank *rank, int64_t time,
+/* Eyes and gaze: those of the trackers, of the command line, or of the pilot. */
+static void look(const gw_conductor *conductor, const struct gw_rank *rank, uint32_t frame, int64_t time,
                  gw_frame_state *state) {
     const gw_settings *settings = &rank->options.draw.settings;
     const gw_site *site = &rank->site;
     double pointed[3];
     const double *target = NULL;
     const gw_pilot_gaze gaze = gw_pilot_gaze_of(conductor->pilot, pointed);
-    const gw_track *track = gaze == GW_PILOT_GAZE_GIVEN ? conductor->track : NULL;
+    const gw_tracker_view *view = NULL;
+    gw_latency *latency = &conductor->latencies[gw_kept(conductor, frame)];
+    if (gaze == GW_PILOT_GAZE_GIVEN && conductor->tracked)
+        view = gw_tracked_look(conductor->tracked, time, site->layout.eye);
     if (gaze == GW_PILOT_GAZE_POINTER)
         target = pointed;
     else if (gaze == GW_PILOT_GAZE_GIVEN && rank->options.gaze == GW_GAZE_AT_PIXEL)
         target = conductor->stare;
-    if (track)
-        gw_frame_look(state, track, time, site->layout.eye, settings);
+    if (view)
+        gw_frame_look(state, view, settings);
     else
         gw_frame_stare(state, site->layout.eye, target, settings);
+    *latency = view ? gw_latency_of(&view->viewers[0]) : (gw_latency){0};
     state->time = time;
     if (gw_site_is_stereo(site))
-        gw_frame_part_eyes(state, track, time, site->eye_distance);
+        gw_frame_part_eyes(state, view, site->eye_distance);
 }
 
 gw_code gw_conductor_make_state(gw_conductor *conductor, const struct gw_rank *rank, uint32_t frame,
@@ -169,7 +173,7 @@ gw_code gw_conductor_make_state(gw_conductor *conductor, const struct gw_rank *r
         return GW_OK;
     }
     gw_frame_begin(state, frame, &draw->settings, draw->seed, draw->debug);
-    look(conductor, rank, time_of(conductor, frame), state);
+    look(conductor, rank, frame, time_of(conductor, frame), state);
     navigate(conductor, state);
     gw_code code = gw_pilot_steer(conductor->pilot, state, error);
     if (gw_budget_is_on(&conductor->budget))

@@ -2,6 +2,8 @@
 
 #include "base/file.h"
 #include "base/memory.h"
+#include "tracking/gaze_model.h"
+#include "tracking/quaternion.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -80,7 +82,7 @@ void gw_frame_begin(gw_frame_state *state, uint32_t frame, const gw_settings *se
 /* A gaze from eye along direction (any length but 0); up is wall space's y, or -z for a gaze straight up or
  * down, made perpendicular to the direction. */
 static void add_gaze(gw_frame_state *state, const double eye[3], const double direction[3],
-                     const gw_settings *settings, double age, double confidence) {
+                     const gw_settings *settings, double age, double confidence, double widening) {
     double length =
         sqrt(direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2]);
     if (!(length > 0))
@@ -104,25 +106,22 @@ static void add_gaze(gw_frame_state *state, const double eye[3], const double di
         gaze->direction[i] = (float)unit[i];
         gaze->up[i] = (float)(up[i] / norm);
     }
-    gaze->half_width = (float)settings->gaze_half_width;
-    gaze->half_height = (float)settings->gaze_half_height;
+    gaze->half_width = (float)fmin(settings->gaze_half_width + widening, 90);
+    gaze->half_height = (float)fmin(settings->gaze_half_height + widening, 90);
     gaze->age = (float)age;
     gaze->confidence = (float)confidence;
 }
 
-void gw_frame_look(gw_frame_state *state, const gw_track *track, int64_t time, const double neutral_eye[3],
-                   const gw_settings *settings) {
+void gw_frame_look(gw_frame_state *state, const gw_tracker_view *view, const gw_settings *settings) {
     _Static_assert((int)GW_TRACK_VIEWERS <= (int)GW_MAXIMUM_VIEWERS, "a gaze for each viewer");
-    state->time = time;
-    for (uint32_t viewer = 0; viewer < GW_TRACK_VIEWERS; viewer++) {
-        gw_track_sample sample;
-        gw_track_at(track, viewer, time, &sample);
-        const double *eye = sample.has_head ? sample.eye : neutral_eye;
-        if (viewer == 0)
-            memcpy(state->eye, eye, sizeof state->eye);
-        if (sample.has_gaze && sample.confidence > 0)
-            add_gaze(state, eye, sample.gaze_direction, settings, (double)sample.gaze_age * 1e-9,
-                     sample.confidence);
+    memcpy(state->eye, view->viewers[0].eye, sizeof state->eye);
+    for (uint32_t i = 0; i < GW_TRACK_VIEWERS; i++) {
+        const gw_viewer_view *viewer = &view->viewers[i];
+        const double widening =
+            viewer->gaze_widening + gw_gaze_widening(viewer->gaze_error, settings->gaze_margin);
+        if (viewer->has_gaze && viewer->confidence > 0)
+            add_gaze(state, viewer->gaze_origin, viewer->gaze_direction, settings,
+                     (double)viewer->gaze_age * 1e-9, viewer->confidence, widening);
     }
 }
 
@@ -132,16 +131,13 @@ void gw_frame_stare(gw_frame_state *state, const double eye[3], const double *ta
     if (!target)
         return;
     double direction[3] = {target[0] - eye[0], target[1] - eye[1], target[2] - eye[2]};
-    add_gaze(state, eye, direction, settings, 0, 1);
+    add_gaze(state, eye, direction, settings, 0, 1, 0);
 }
 
-void gw_frame_part_eyes(gw_frame_state *state, const gw_track *track, int64_t time, double distance) {
+void gw_frame_part_eyes(gw_frame_state *state, const gw_tracker_view *view, double distance) {
     double right[3] = {1, 0, 0};
-    gw_track_sample sample = {0};
-    if (track)
-        gw_track_at(track, 0, time, &sample);
-    if (sample.has_head)
-        memcpy(right, sample.head_right, sizeof right);
+    if (view)
+        gw_turn_vector(view->viewers[0].head, right, right);
     for (int i = 0; i < 3; i++)
         state->eye_offset[i] = (float)(0.5 * distance * right[i]);
 }

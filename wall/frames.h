@@ -1,5 +1,5 @@
-/* Frame states: made from what a track says at a moment, or read from a recording of states; written one per
- * frame.
+/* Frame states: made from what the tracker says at a moment, or read from a recording of states; written one
+ * per frame.
  *
  * A recording (--save-states, --states) is JSON lines: a first line {"gazewall_states": 1}, then one object
  * per frame with every field of gw_frame_state; numbers carry enough digits to come back bit for bit. Rank 0
@@ -10,7 +10,7 @@
 #include "base/settings.h"
 #include "base/status.h"
 #include "render/frame_state.h"
-#include "tracking/track.h"
+#include "tracking/tracker.h"
 
 #include <jansson.h>
 #include <stddef.h>
@@ -21,19 +21,19 @@
 void gw_frame_begin(gw_frame_state *state, uint32_t frame, const gw_settings *settings, uint32_t seed,
                     gw_debug_view debug);
 
-/* Eyes and gazes from a track at time (ns). The picture is drawn for the first viewer's eye; the gazes of all
- * viewers count. Where a viewer has no head, neutral_eye (mm) stands in; one without a gaze, or whose gaze
- * has no confidence left, is not in the list; without any, nobody's gaze is known and all is sharp. */
-void gw_frame_look(gw_frame_state *state, const gw_track *track, int64_t time, const double neutral_eye[3],
-                   const gw_settings *settings);
+/* Eyes and gazes as the tracker sees them. The picture is drawn for the first viewer's eye; the gazes of all
+ * viewers count. A viewer without a gaze, or whose gaze has no confidence left, is not in the list; without
+ * any, nobody's gaze is known and all is sharp. A gaze that is less sure than gaze_margin allows, or in a
+ * saccade, has a wider ellipsoid. */
+void gw_frame_look(gw_frame_state *state, const gw_tracker_view *view, const gw_settings *settings);
 
 /* A fixed eye and, unless target is NULL, a gaze at a point of wall space (mm). */
 void gw_frame_stare(gw_frame_state *state, const double eye[3], const double *target,
                     const gw_settings *settings);
 
 /* Sets eye_offset: two eyes `distance` mm apart along the first viewer's head, or along wall space's x where
- * the track (it may be NULL) has none. */
-void gw_frame_part_eyes(gw_frame_state *state, const gw_track *track, int64_t time, double distance);
+ * it (view may be NULL) is not tracked. */
+void gw_frame_part_eyes(gw_frame_state *state, const gw_tracker_view *view, double distance);
 
 /* Heads and eyes are never quite still: where the eyes and every viewer's lie within `distance` mm, and the
  * gazes within `angle` degrees, of those that the frame before was drawn from, those stand. They are the ones

@@ -51,7 +51,7 @@ gw_code gw_pilot_open(const struct gw_rank *rank, gw_pilot **out, gw_error *erro
     if (code)
         return code;
     pilot->rank = rank;
-    pilot->given = options->track || options->gaze != GW_GAZE_FROM_TRACK;
+    pilot->given = options->track || options->gaze != GW_GAZE_FROM_TRACK || rank->site.trackers.source_count;
     pilot->gaze = pilot->given ? GW_PILOT_GAZE_GIVEN : GW_PILOT_GAZE_POINTER;
     for (int k = 0; k < 2; k++)
         pilot->pixel[k] = 0.5 * rank->site.layout.picture[k];

@@ -50,8 +50,9 @@ static gw_frame_state look(double degrees) {
     const double neutral[3] = {9, 9, 999};
     gw_frame_state state;
     gw_frame_begin(&state, 0, &stage.settings, 0, GW_DEBUG_NONE);
-    gw_frame_look(&state, track, 0, neutral, &stage.settings);
-    gw_frame_part_eyes(&state, track, 0, EYES);
+    const gw_tracker_view view = view_of_track(track, 0, neutral, &stage.settings);
+    gw_frame_look(&state, &view, &stage.settings);
+    gw_frame_part_eyes(&state, &view, EYES);
     gw_track_destroy(&track);
     return state;
 }

@@ -80,7 +80,8 @@ static gw_frame_state state_of(gw_pose_report *reports, size_t count, int64_t ti
     gw_track *read = track_of_reports(reports, count);
     gw_frame_state state;
     gw_frame_begin(&state, 0, &stage.settings, 0, GW_DEBUG_NONE);
-    gw_frame_look(&state, read, time, neutral, &stage.settings);
+    const gw_tracker_view view = view_of_track(read, time, neutral, &stage.settings);
+    gw_frame_look(&state, &view, &stage.settings);
     gw_track_destroy(&read);
     return state;
 }

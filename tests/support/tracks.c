@@ -1,6 +1,7 @@
 #include "tests/support/check.h"
 
 #include "tests/support/tracks.h"
+#include "tracking/player.h"
 #include "tracking/quaternion.h"
 
 gw_track *track_of_reports(const gw_pose_report *reports, size_t count) {
@@ -22,4 +23,22 @@ gw_track *track_of_reports(const gw_pose_report *reports, size_t count) {
     }
     check_ok(gw_track_of(&recording, &options, &out, &error));
     return out;
+}
+
+gw_tracker_view view_of_track(const gw_track *track, int64_t time, const double neutral_eye[3],
+                              const gw_settings *settings) {
+    gw_tracker_options options = {.settings = settings, .adopt_first = 1};
+    gw_tracker_setup setup;
+    gw_tracker *tracker = NULL;
+    gw_player *player = NULL;
+    gw_tracker_view view;
+    memcpy(options.neutral_eye, neutral_eye, sizeof options.neutral_eye);
+    gw_player_track_setup(&setup);
+    check_ok(gw_player_open_track(track, 0, &player, &error));
+    check_ok(gw_tracker_create(&setup, &options, &tracker, &error));
+    gw_player_feed(player, tracker, time);
+    gw_tracker_at(tracker, time, time, &view);
+    gw_tracker_destroy(&tracker);
+    gw_player_close(&player);
+    return view;
 }

@@ -3,11 +3,16 @@
 #define GW_TESTS_SUPPORT_TRACKS_H
 
 #include "tracking/track.h"
+#include "tracking/tracker.h"
 
 enum { TRACK_OF_MOST = 64 };
 
 /* A track of poses in millimetres that arrive at their times, at most TRACK_OF_MOST; for gw_track_destroy().
  * Fails the test when it cannot be made. */
 gw_track *track_of_reports(const gw_pose_report *reports, size_t count);
+
+/* What the tracker says of a track at a time of it, by these settings. */
+gw_tracker_view view_of_track(const gw_track *track, int64_t time, const double neutral_eye[3],
+                              const gw_settings *settings);
 
 #endif

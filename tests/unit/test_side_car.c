@@ -30,7 +30,7 @@ static const char *write_one(char path[512], const char *scene_hash) {
     settings.octree_depth = 7;
     gw_frame_begin(&state, 9, &settings, 77, GW_DEBUG_LEVELS);
     gw_frame_stare(&state, grid.eye, (const double[3]){1, 2, 0}, &settings);
-    gw_frame_part_eyes(&state, NULL, 0, 63.7);
+    gw_frame_part_eyes(&state, NULL, 63.7);
     state.accumulate = 1;
     const gw_side_car_picture picture = {.site = &site,
                                          .settings = &settings,

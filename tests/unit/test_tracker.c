@@ -186,7 +186,7 @@ static void check_hole(double rate, double fps, int64_t lead, const char *const 
         if (t > end + 2)
             assert_true(apart(view.eye, raw.eye) < (rate > 1 ? 0.5 : 60)); /* at 1 Hz prediction takes 15 s */
         assert_true(view.confidence >= 0 && view.confidence <= 1);
-        if (t < 3 + hold || t > end + 0.01)
+        if ((t > 1.1 || rate > 1) && (t < 3 + hold || t > end + 0.01))
             assert_true(view.confidence == 1);
         if (t > 3.4 + hold && t < end)
             assert_true(view.confidence == 0 && view.gaze_state == GW_SENSOR_LOST);
@@ -198,7 +198,8 @@ static void check_hole(double rate, double fps, int64_t lead, const char *const 
     const int held = strcmp(states, " fresh held lost returned fresh") == 0;
     if (!held && (fps > 10 || strcmp(states, " fresh lost returned fresh") != 0))
         fail_msg("rate %g, %g frames/s: states%s", rate, fps, states);
-    assert_int_equal(gw_tracker_count(s.tracker)->losses, 2); /* head and gaze */
+    /* Head and gaze; a gaze that was heard once is taken for one of 30 Hz. */
+    assert_int_equal(gw_tracker_count(s.tracker)->losses, rate > 1 ? 2 : 3);
     gw_tracker_destroy(&s.tracker);
     gw_tracker_destroy(&whole.tracker);
 }

@@ -1,0 +1,151 @@
+#include "tracking/player.h"
+
+#include "base/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { KNOWN_SENSORS = 1024 }; /* of all senders; the first events of more are taken in their turn */
+
+struct gw_player {
+    const gw_recorded_event *events; /* borrowed, or `own` */
+    gw_recorded_event *own;
+    size_t count, next;
+    uint8_t *is_first; /* [count]: given at the beginning */
+    int8_t sources[GW_RECORDING_SENDERS];
+    int64_t delay, time;
+    int begun;
+};
+
+/* --- which events are the first of their sensor */
+
+typedef struct channel {
+    uint32_t sender;
+    gw_tracking_event_kind kind;
+    int32_t sensor;
+} channel;
+
+static int is_known(channel *known, uint32_t *count, const gw_recorded_event *event) {
+    for (uint32_t i = 0; i < *count; i++)
+        if (known[i].sender == event->sender && known[i].kind == event->event.kind &&
+            known[i].sensor == event->event.sensor)
+            return 1;
+    if (*count == KNOWN_SENSORS)
+        return 1;
+    known[(*count)++] = (channel){event->sender, event->event.kind, event->event.sensor};
+    return 0;
+}
+
+static void find_first(gw_player *player) {
+    channel known[KNOWN_SENSORS];
+    uint32_t count = 0;
+    for (size_t i = 0; i < player->count; i++) {
+        const gw_tracking_event *event = &player->events[i].event;
+        const int told =
+            (event->kind == GW_EVENT_POSE || event->kind == GW_EVENT_GAZE) && event->quality >= 0;
+        player->is_first[i] = told && !is_known(known, &count, &player->events[i]);
+    }
+}
+
+static gw_code open_player(const gw_recorded_event *events, size_t count, int64_t delay, gw_player **out,
+                           gw_error *error) {
+    void *memory = NULL, *first = NULL;
+    *out = NULL;
+    gw_code code = gw_allocate(&memory, 1, sizeof(gw_player), "player", error);
+    if (!code)
+        code = gw_allocate(&first, count, 1, "player", error);
+    gw_player *player = memory;
+    if (code) {
+        free(player);
+        return code;
+    }
+    player->events = events;
+    player->count = count;
+    player->delay = delay;
+    player->is_first = first;
+    find_first(player);
+    *out = player;
+    return GW_OK;
+}
+
+/* --- opening */
+
+gw_code gw_player_open(const gw_recording *recording, const int8_t *sources, int64_t delay, gw_player **out,
+                       gw_error *error) {
+    gw_code code = open_player(recording->events, recording->count, delay, out, error);
+    if (!code)
+        memcpy((*out)->sources, sources, recording->sender_count * sizeof *sources);
+    return code;
+}
+
+gw_code gw_player_open_track(const gw_track *track, int64_t delay, gw_player **out, gw_error *error) {
+    void *memory = NULL;
+    gw_code code = gw_allocate(&memory, track->report_count, sizeof(gw_recorded_event), "player", error);
+    if (code)
+        return code;
+    gw_recorded_event *events = memory;
+    for (size_t i = 0; i < track->report_count; i++) {
+        const gw_pose_report *report = &track->reports[i];
+        gw_tracking_event *event = &events[i].event;
+        *event = (gw_tracking_event){.kind = GW_EVENT_POSE,
+                                     .sensor = report->sensor,
+                                     .arrival = report->time,
+                                     .device_time = GW_NO_TIME,
+                                     .quality = 1};
+        memcpy(event->of.pose.position, report->position, sizeof report->position);
+        memcpy(event->of.pose.orientation, report->orientation, sizeof report->orientation);
+    }
+    code = open_player(events, track->report_count, delay, out, error);
+    if (code)
+        free(events);
+    else
+        (*out)->own = events;
+    return code;
+}
+
+void gw_player_track_setup(gw_tracker_setup *out) {
+    gw_tracker_setup_default("track", out);
+    gw_room_default(1, &out->sources[0].room);
+}
+
+void gw_player_close(gw_player **player) {
+    if (!*player)
+        return;
+    free((*player)->own);
+    free((*player)->is_first);
+    free(*player);
+    *player = NULL;
+}
+
+/* --- playing */
+
+/* Later on its way, by as much as it says that it took. */
+static void give(const gw_player *player, gw_tracker *tracker, size_t i) {
+    gw_tracking_event event = player->events[i].event;
+    event.arrival += player->delay;
+    event.latency += player->delay;
+    const int source = player->sources[player->events[i].sender];
+    if (source >= 0)
+        gw_tracker_take(tracker, source, &event);
+}
+
+static void begin(gw_player *player, gw_tracker *tracker) {
+    gw_tracker_reset(tracker);
+    for (size_t i = 0; i < player->count; i++)
+        if (player->is_first[i])
+            give(player, tracker, i);
+    player->next = 0;
+    player->begun = 1;
+}
+
+void gw_player_feed(gw_player *player, gw_tracker *tracker, int64_t time) {
+    if (!player->begun || time < player->time)
+        begin(player, tracker);
+    player->time = time;
+    for (; player->next < player->count; player->next++) {
+        if (player->events[player->next].event.arrival + player->delay > time)
+            return;
+        if (!player->is_first[player->next])
+            give(player, tracker, player->next);
+    }
+}

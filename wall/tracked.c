@@ -1,0 +1,181 @@
+#include "wall/tracked.h"
+
+#include "base/file.h"
+#include "base/memory.h"
+#include "tracking/player.h"
+#include "wall/report.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct gw_tracked {
+    gw_tracker *tracker;
+    gw_recording *recording; /* played; NULL: the demo track, or live */
+    gw_player *player;
+    int64_t duration;
+    gw_tracker_setup setup;
+    gw_tracker_view view;
+};
+
+/* --- opening */
+
+static gw_code create_tracker(gw_tracked *tracked, const gw_tracked_options *options, gw_error *error) {
+    gw_tracker_options how = {.settings = options->settings, .adopt_first = 1};
+    memcpy(how.neutral_eye, options->site->layout.eye, sizeof how.neutral_eye);
+    return gw_tracker_create(&tracked->setup, &how, &tracked->tracker, error);
+}
+
+static int64_t delay_of(const gw_tracked_options *options) {
+    return (int64_t)(options->settings->added_latency * 1e9);
+}
+
+static gw_code open_demo(gw_tracked *tracked, const gw_tracked_options *options, json_t *report,
+                         gw_error *error) {
+    const double *size = options->site->layout.size;
+    gw_track *track = NULL;
+    gw_code code = gw_track_demo(size[0], size[1], &track, error);
+    if (code)
+        return code;
+    gw_report_track(report, track);
+    gw_player_track_setup(&tracked->setup);
+    tracked->duration = track->duration;
+    code = gw_player_open_track(track, delay_of(options), &tracked->player, error);
+    gw_track_destroy(&track);
+    return code;
+}
+
+/* The device of a source: NAME of NAME@HOST, vrpn:NAME@HOST and the like; else all of it. */
+static int is_device_of(const char *spec, const char *sender) {
+    const char *colon = strchr(spec, ':'), *at = strchr(spec, '@');
+    const char *name = colon && at && colon < at ? colon + 1 : spec;
+    const size_t length = at ? (size_t)(at - name) : strlen(name);
+    return !strcmp(spec, sender) || (strlen(sender) == length && !strncmp(name, sender, length));
+}
+
+/* The site's sources by the names of the recording's devices; 0 when none is of the site. */
+static int match_site(const gw_tracker_setup *site, const gw_recording *recording, int8_t *sources) {
+    int found = 0;
+    for (uint32_t sender = 0; sender < recording->sender_count; sender++) {
+        sources[sender] = -1;
+        for (uint32_t i = 0; i < site->source_count; i++)
+            if (is_device_of(site->sources[i].spec, recording->senders[sender])) {
+                sources[sender] = (int8_t)i;
+                found = 1;
+            }
+    }
+    return found;
+}
+
+/* By the plain convention (docs/tracks.md): the sensors of the first device that reports any. */
+static gw_code take_plain(gw_tracked *tracked, const gw_tracked_options *options, json_t *report,
+                          int8_t *sources, gw_error *error) {
+    const gw_track_options how = {.log = options->log};
+    gw_track *track = NULL;
+    gw_code code = gw_track_of(tracked->recording, &how, &track, error);
+    if (code)
+        return code;
+    for (uint32_t i = 0; i < tracked->recording->sender_count; i++)
+        sources[i] = strcmp(tracked->recording->senders[i], track->sender) == 0 ? 0 : -1;
+    gw_tracker_setup_default(track->sender, &tracked->setup);
+    gw_report_track(report, track);
+    gw_track_destroy(&track);
+    return GW_OK;
+}
+
+static gw_code open_recording(gw_tracked *tracked, const gw_tracked_options *options, const char *path,
+                              json_t *report, gw_error *error) {
+    int8_t sources[GW_RECORDING_SENDERS];
+    gw_code code = gw_recording_load(path, &tracked->recording, error);
+    if (code)
+        return code;
+    tracked->duration = tracked->recording->duration;
+    if (match_site(&options->site->trackers, tracked->recording, sources)) {
+        tracked->setup = options->site->trackers;
+        json_object_set_new(report, "tracking",
+                            json_pack("{s:s, s:s, s:f}", "state", "recording", "file", path, "duration_s",
+                                      (double)tracked->duration * 1e-9));
+    } else {
+        code = take_plain(tracked, options, report, sources, error);
+    }
+    return code ? code
+                : gw_player_open(tracked->recording, sources, delay_of(options), &tracked->player, error);
+}
+
+static gw_code open_source(gw_tracked *tracked, const gw_tracked_options *options, json_t *report,
+                           gw_error *error) {
+    const gw_tracker_setup *site = &options->site->trackers;
+    if (options->track)
+        return open_recording(tracked, options, options->track, report, error);
+    if (site->source_count == 1 && gw_file_exists(site->sources[0].spec))
+        return open_recording(tracked, options, site->sources[0].spec, report, error);
+    return open_demo(tracked, options, report, error);
+}
+
+gw_code gw_tracked_open(const gw_tracked_options *options, json_t *report, gw_tracked **out,
+                        gw_error *error) {
+    void *memory = NULL;
+    gw_code code = gw_allocate(&memory, 1, sizeof(gw_tracked), "tracking", error);
+    *out = memory;
+    if (!code)
+        code = open_source(*out, options, report, error);
+    if (!code)
+        code = create_tracker(*out, options, error);
+    if (code)
+        gw_tracked_close(out);
+    return code;
+}
+
+void gw_tracked_close(gw_tracked **tracked) {
+    if (!*tracked)
+        return;
+    gw_player_close(&(*tracked)->player);
+    gw_recording_destroy(&(*tracked)->recording);
+    gw_tracker_destroy(&(*tracked)->tracker);
+    free(*tracked);
+    *tracked = NULL;
+}
+
+int64_t gw_tracked_duration(const gw_tracked *tracked) {
+    return tracked->duration;
+}
+
+/* --- frames */
+
+const gw_tracker_view *gw_tracked_look(gw_tracked *tracked, int64_t time, const double neutral_eye[3]) {
+    gw_tracker_set_neutral(tracked->tracker, neutral_eye);
+    gw_player_feed(tracked->player, tracked->tracker, time);
+    gw_tracker_at(tracked->tracker, time, time, &tracked->view);
+    return &tracked->view;
+}
+
+/* --- what there is to tell */
+
+static json_t *count(uint64_t value) {
+    return json_integer((json_int_t)value);
+}
+
+static json_t *viewers_of(const gw_tracked *tracked) {
+    json_t *list = json_array();
+    for (uint32_t i = 0; i < tracked->setup.viewer_count && i < GW_TRACK_VIEWERS; i++) {
+        const gw_viewer_view *viewer = &tracked->view.viewers[i];
+        if (viewer->has_head || viewer->has_gaze || i == 0)
+            json_array_append_new(list, json_pack("{s:i, s:s, s:s, s:f, s:f}", "viewer", (int)i, "head",
+                                                  gw_sensor_phase_names[viewer->head_state], "gaze",
+                                                  gw_sensor_phase_names[viewer->gaze_state], "quality",
+                                                  viewer->quality, "confidence", viewer->confidence));
+    }
+    return list;
+}
+
+void gw_tracked_report(gw_tracked *tracked, json_t *report) {
+    json_t *tracking = json_object_get(report, "tracking");
+    const gw_tracker_counters *c = gw_tracker_count(tracked->tracker);
+    json_object_set_new(tracking, "viewers", viewers_of(tracked));
+    json_object_set_new(tracking, "tracker",
+                        json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "samples",
+                                  count(c->samples), "untracked", count(c->untracked), "duplicated",
+                                  count(c->duplicated), "reordered", count(c->reordered), "not_finite",
+                                  count(c->not_finite), "headless", count(c->headless), "unassigned",
+                                  count(c->unassigned), "clock_steps", count(c->clock_steps), "losses",
+                                  count(c->losses), "saccades", count(c->saccades)));
+}

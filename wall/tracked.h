@@ -1,0 +1,37 @@
+/* Where the heads and gazes of a run come from: a recording that is played into the tracker. --track says
+ * which; without it the site's, else the embedded demo track. Rank 0, the conductor's thread. */
+#ifndef GW_WALL_TRACKED_H
+#define GW_WALL_TRACKED_H
+
+#include "base/log.h"
+#include "base/status.h"
+#include "tracking/tracker.h"
+#include "wall/site.h"
+
+#include <jansson.h>
+#include <stdint.h>
+
+typedef struct gw_tracked gw_tracked;
+
+typedef struct gw_tracked_options {
+    const char *track; /* file; NULL: the site's, or the demo track */
+    const gw_site *site;
+    const gw_settings *settings;
+    const gw_log *log;
+} gw_tracked_options;
+
+/* GW_BAD_INPUT names a file or source that is wrong. Puts what is in a recording into the report's key
+ * `tracking`. */
+gw_code gw_tracked_open(const gw_tracked_options *options, json_t *report, gw_tracked **out, gw_error *error);
+void gw_tracked_close(gw_tracked **tracked);
+
+int64_t gw_tracked_duration(const gw_tracked *tracked); /* ns */
+
+/* Everybody at `time` of the recording (ns since its beginning), when the frame is made and seen. The pointer
+ * holds until the next call. */
+const gw_tracker_view *gw_tracked_look(gw_tracked *tracked, int64_t time, const double neutral_eye[3]);
+
+/* Adds states and counters of the run to the report's key `tracking`. */
+void gw_tracked_report(gw_tracked *tracked, json_t *report);
+
+#endif

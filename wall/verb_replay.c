@@ -1,7 +1,9 @@
 /* `gazewall replay TRACK`: what is in a recording of trackers, as text, table or drawing; or it is played to
  * others. Main thread. */
 #include "base/embedded.h"
+#include "base/file.h"
 #include "tracking/recording_writer.h"
+#include "tracking/server.h"
 #include "wall/console.h"
 #include "wall/options.h"
 #include "wall/replay.h"
@@ -15,16 +17,23 @@
 
 typedef struct replay_options {
     gw_error *error;
-    const char *track, *csv, *sender, *report;
+    const char *track, *csv, *sender, *plot, *report, *site;
+    gw_replay_pace pace;          /* .serve NULL: it is not played */
     double from, to, speed_limit; /* s, s, units per s */
-    int info, quiet;
+    int info, quiet, step;
     gw_log_level level;
 } replay_options;
 
 enum {
     KEY_INFO = 0x2000,
     KEY_CSV,
+    KEY_PLOT,
     KEY_REPORT,
+    KEY_SITE,
+    KEY_SERVE,
+    KEY_SPEED,
+    KEY_LOOP,
+    KEY_STEP,
     KEY_SENDER,
     KEY_FROM,
     KEY_TO,
@@ -36,6 +45,15 @@ enum {
 static const struct argp_option option_table[] = {
     {"info", KEY_INFO, NULL, 0, "Print what is in the track (what it does without other wishes)", 0},
     {"csv", KEY_CSV, "FILE", 0, "Write every event as a row (docs/tracks.md lists the columns)", 0},
+    {"plot", KEY_PLOT, "FILE.svg", 0, "Draw position and speed over time, and the gazes on the wall", 0},
+    {"site", KEY_SITE, "FILE", 0, "The wall that --plot draws gazes on (default: 2000 x 1125 mm)", 0},
+    {"serve", KEY_SERVE, "SPEC", 0,
+     "Play it: vrpn[:PORT] to VRPN clients, from the first one on; dtrack[:ADDRESS:PORT] or "
+     "gaze:ADDRESS:PORT by datagrams",
+     0},
+    {"speed", KEY_SPEED, "X", 0, "With --serve: so many times as fast (default 1)", 0},
+    {"loop", KEY_LOOP, NULL, 0, "With --serve: again and again, until it is ended", 0},
+    {"step", KEY_STEP, NULL, 0, "With --serve: the events of one moment for each Enter", 0},
     {"report", KEY_REPORT, "FILE.json", 0, "Write what --info prints as JSON", 0},
     {"sender", KEY_SENDER, "NAME", 0, "Only this device of the recording", 0},
     {"from", KEY_FROM, "SECONDS", 0, "Leave out what arrived before", 0},
@@ -51,6 +69,14 @@ static error_t parse_text(int key, char *value, replay_options *options) {
     switch (key) {
     case KEY_CSV:
         return gw_parse_name("--csv", value, &options->csv, options->error) ? EINVAL : 0;
+    case KEY_PLOT:
+        return gw_parse_name("--plot", value, &options->plot, options->error) ? EINVAL : 0;
+    case KEY_SITE:
+        options->site = value;
+        return 0;
+    case KEY_SERVE:
+        options->pace.serve = value;
+        return gw_server_check(value, options->error) ? EINVAL : 0;
     case KEY_REPORT:
         return gw_parse_name("--report", value, &options->report, options->error) ? EINVAL : 0;
     case KEY_SENDER:
@@ -77,6 +103,16 @@ static error_t parse_text(int key, char *value, replay_options *options) {
 static error_t check_options(const replay_options *options) {
     if (options->track == NULL)
         gw_fail(options->error, GW_BAD_INPUT, "name a track: a recording, or demo");
+    else if (options->plot != NULL && !gw_path_has_extension(options->plot, ".svg"))
+        gw_fail(options->error, GW_BAD_INPUT, "--plot %s: the drawing is SVG, so its name ends in .svg",
+                options->plot);
+    else if (options->site != NULL && options->plot == NULL)
+        gw_fail(options->error, GW_BAD_INPUT, "--site has no effect without --plot");
+    else if (options->pace.serve == NULL &&
+             (options->step || options->pace.loop || options->pace.speed != 1.0))
+        gw_fail(options->error, GW_BAD_INPUT, "--speed, --loop and --step have no effect without --serve");
+    else if (options->step && options->pace.speed != 1.0)
+        gw_fail(options->error, GW_BAD_INPUT, "--step and --speed exclude each other");
     else if (options->to <= options->from)
         gw_fail(options->error, GW_BAD_INPUT, "--to %g is not after --from %g", options->to, options->from);
     else
@@ -92,6 +128,14 @@ static error_t parse_option(int key, char *value, struct argp_state *state) {
     case KEY_INFO:
         options->info = 1;
         return 0;
+    case KEY_LOOP:
+        options->pace.loop = 1;
+        return 0;
+    case KEY_STEP:
+        options->step = 1;
+        return 0;
+    case KEY_SPEED:
+        return gw_parse_number("--speed", value, 0.01, 100.0, &options->pace.speed, error) ? EINVAL : 0;
     case KEY_QUIET:
         options->quiet = 1;
         return 0;
@@ -113,7 +157,7 @@ static const struct argp replay_argp = {
     .parser = parse_option,
     .args_doc = "TRACK",
     .doc = "What is in a recording of head and gaze trackers (a VRPN log or CSV, also gzipped; demo is the "
-           "embedded one)."
+           "embedded one); or it is played to other programs."
            "\vdocs/tracks.md tells the format byte by byte, and how to record.",
 };
 
@@ -164,6 +208,35 @@ static gw_code write_report(int argc, char **argv, const char *path, const gw_re
     return code;
 }
 
+/* The wall that synthetic tracks and the demo track were made in front of, as one tile. */
+static gw_code plain_wall(gw_site *site, gw_error *error) {
+    const gw_grid grid = {.columns = 1,
+                          .rows = 1,
+                          .widths = {1920},
+                          .heights = {1080},
+                          .pitch = {2000.0 / 1920.0, 1125.0 / 1080.0},
+                          .eye = {0, 0, 1800}};
+    gw_site_defaults(site);
+    return gw_layout_grid(&grid, &site->layout, error);
+}
+
+static gw_code draw(const gw_recording *recording, const gw_recording_statistics *statistics,
+                    const replay_options *options, gw_error *error) {
+    char *svg = NULL;
+    size_t size = 0;
+    gw_site *site = calloc(1, sizeof *site);
+    if (site == NULL)
+        return gw_fail(error, GW_MACHINE, "out of memory for the wall");
+    gw_code code = options->site ? gw_site_load(options->site, site, error) : plain_wall(site, error);
+    if (code == GW_OK)
+        code = gw_replay_draw(recording, statistics, site, &svg, &size, error);
+    if (code == GW_OK)
+        code = gw_file_write(options->plot, svg, size, error);
+    free(svg);
+    free(site);
+    return code;
+}
+
 static gw_code show(int argc, char **argv, const gw_recording *recording, const replay_options *options,
                     gw_error *error) {
     const double gaze_limit = 1000.0; /* degrees per s: no saccade is faster (Bahill et al. 1975) */
@@ -171,9 +244,12 @@ static gw_code show(int argc, char **argv, const gw_recording *recording, const 
     gw_code code = gw_recording_measure(recording, options->speed_limit, gaze_limit, &statistics, error);
     if (code == GW_OK && options->csv != NULL)
         code = gw_recording_write(options->csv, GW_RECORDING_AS_CSV, recording, 0, INT64_MAX, 1, error);
+    if (code == GW_OK && options->plot != NULL)
+        code = draw(recording, &statistics, options, error);
     if (code == GW_OK && options->report != NULL)
         code = write_report(argc, argv, options->report, recording, &statistics, error);
-    if (code == GW_OK && (options->info || (!options->csv && !options->report)))
+    const int asked = options->csv || options->report || options->plot || options->pace.serve;
+    if (code == GW_OK && (options->info || !asked))
         gw_replay_print(recording, &statistics);
     gw_recording_statistics_finish(&statistics);
     return code;
@@ -181,7 +257,8 @@ static gw_code show(int argc, char **argv, const gw_recording *recording, const 
 
 int gw_verb_replay(int argc, char **argv) {
     gw_error error = {0};
-    replay_options options = {.error = &error, .level = GW_LOG_WARNING, .to = 1e18, .speed_limit = 5.0};
+    replay_options options = {
+        .error = &error, .level = GW_LOG_WARNING, .to = 1e18, .speed_limit = 5.0, .pace.speed = 1.0};
     int helped = 0;
     if (gw_arguments_parse(&replay_argp, argc, argv, &options, &helped, &error) != GW_OK)
         return gw_console_fail("replay", &error);
@@ -201,6 +278,10 @@ int gw_verb_replay(int argc, char **argv) {
         code = choose(recording, &options, &error);
     if (code == GW_OK)
         code = show(argc, argv, recording, &options, &error);
+    if (options.step)
+        options.pace.speed = 0.0;
+    if (code == GW_OK && options.pace.serve != NULL)
+        code = gw_replay_play(recording, &options.pace, &console.log, options.quiet, &error);
     gw_recording_destroy(&recording);
     gw_console_finish(&console);
     return code == GW_OK ? GW_OK : gw_console_fail("replay", &error);

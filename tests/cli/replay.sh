@@ -64,6 +64,37 @@ expect "a length beyond what a record may have" 2 "there is no event in it" "$fo
 expect "its place" 2 "byte 24, record 1: a payload of 0 to 64000 bytes was expected" "$folder/long.vrpn"
 expect "a log without events" 2 "there is no event in it" "$folder/bare.vrpn"
 expect "an unknown device" 2 "senders: Demo0" "$demo" --sender Wand
+track=$root/configs/tracks/dropouts.vrpn.gz
+expect "a drawing and a report" 0 "" "$track" --plot "$folder/p.svg" --report "$folder/p.json" --site 3x2-bezels
+is "the drawing is XML with both sensors, their gaps and the wall" "$(python3 - "$folder/p.svg" <<'EOF'
+import sys, xml.dom.minidom as m
+d = m.parse(sys.argv[1])
+t = [x.firstChild.data for x in d.getElementsByTagName("text")]
+print("Gazes on the wall" in t, "c2r1" in t, sum("Synthetic0: " in x for x in t), sum(r.getAttribute("fill") == "#d9d9d9" for r in d.getElementsByTagName("rect")) > 8)
+EOF
+)" "True True 2 True"
+is "the report tells of gaps, clock and buttons" "$(python3 - "$folder/p.json" <<'EOF'
+import json, sys
+t = json.load(open(sys.argv[1]))["tracking"]
+s = {(x["kind"], x["sensor"]): x for x in t["sensors"]}
+h = s["pose", 0]
+print(t["damage"], h["gaps"], h["clock_steps"], h["interval_longest_ms"] > 2900, s["button", 0]["presses"], t["counters"]["poses"] == h["events"])
+EOF
+)" "None 4 1 True 3 True"
+# A listener that says its port, then how many frames came.
+coproc listener { timeout 30 python3 -c '
+import socket
+s = socket.socket(socket.AF_INET, socket.SOCK_DGRAM); s.bind(("127.0.0.1", 0)); s.settimeout(20)
+print(s.getsockname()[1], flush=True)
+n = 0
+while n < 60: n += b"6d 2 [0 1.000]" in s.recv(65536)
+print(n, flush=True)'; }
+exec {heard}<&"${listener[0]}" # bash forgets its own end when the listener is done
+read -r port <&"$heard"
+expect "played as DTrack frames" 0 "0 unsendable" demo --serve "dtrack:127.0.0.1:$port" --to 2 --speed 4
+read -r frames <&"$heard"
+is "the frames came" "$frames" 60
+expect "pace without players" 2 "no effect without --serve" demo --loop
 expect "an unknown option" 2 "did you mean '--info'" demo --inof
 expect "an unknown level" 2 "--log 'loud'" demo --log loud
 expect "a table that cannot be written" 5 "nowhere" demo --csv "$folder/nowhere/demo.csv"

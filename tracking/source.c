@@ -217,10 +217,11 @@ static gw_code fail_form(const char *spec, gw_error *error) {
     char word[32];
     snprintf(word, sizeof word, "%.*s", (int)strcspn(spec, ":") + 1, spec);
     const char *near = gw_suggest(word, forms, FORMS);
-    return gw_fail(error, GW_BAD_INPUT,
-                   "'%s' is no tracking source; it is NAME@HOST[:PORT], vrpn+udp:NAME@HOST[:PORT], "
-                   "dtrack:[ADDRESS:]PORT, gaze:[ADDRESS:]PORT, path:FILE, mouse or null%s%s%s",
-                   spec, near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+    return gw_fail(
+        error, GW_BAD_INPUT,
+        "'%s' is neither a file nor a tracking source: NAME@HOST[:PORT], vrpn+udp:NAME@HOST[:PORT], "
+        "dtrack:[ADDRESS:]PORT, gaze:[ADDRESS:]PORT, path:FILE, mouse or null%s%s%s",
+        spec, near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
 }
 
 gw_code gw_source_open(const char *spec, const gw_source_options *options, gw_source **out, gw_error *error) {

@@ -48,39 +48,90 @@ findings "a display that is not there" 3 "tile c0r0 on display :4077" display.ya
 site gpu 'panel: {gpu: 15}'
 findings "a GPU that is not there" 3 "GPU 15" gpu.yaml
 
-# --- trackers: a server of one connection says what it is told to
-tracker() { # NAME CODE TEXT GREETING
-    python3 - "$4" >port <<'P' &
-import socket, sys, time
+# --- trackers: all at once, for each is listened to for some seconds
+# A server that says what it is told to; with a VRPN greeting it goes on as one with the device Tracker0.
+cat >server.py <<'P'
+import socket, struct, sys, time
 server = socket.create_server(("127.0.0.1", 0))
 print(server.getsockname()[1], flush=True)
-client, _ = server.accept()
-client.sendall(sys.argv[1].encode().decode("unicode_escape").encode("latin-1"))
-time.sleep(0.5)
+def message(kind, sender, payload):
+    now = time.time()
+    head = struct.pack(">6i", 24 + len(payload), int(now), int(now % 1 * 1e6), sender, kind, 0)
+    return head + payload + bytes(-len(payload) % 8)
+def name(text):
+    return struct.pack(">i", len(text) + 1) + text + b"\0"
+while True:
+    client, _ = server.accept()
+    try:
+        client.sendall(sys.argv[1].encode().decode("unicode_escape").encode("latin-1"))
+        if not sys.argv[1].startswith("vrpn: ver. 07"):
+            time.sleep(0.5)
+            continue
+        client.sendall(message(-1, 0, name(b"Tracker0")) + message(-2, 0, name(b"vrpn_Tracker Pos_Quat")))
+        while True:
+            client.sendall(message(0, 0, struct.pack(">2i7d", 2, 0, 0, 0, 1, 0, 0, 0, 1)))
+            time.sleep(0.02)
+    except OSError:
+        pass
 P
-    local server=$! turn
-    for turn in $(seq 100); do
-        [ -s port ] && break
-        sleep 0.05
-    done
-    [ -s port ] || echo "# no server after $((turn / 20)) s"
-    site tracker "tracker: Tracker0@127.0.0.1:$(cat port)"
-    if [ "$2" -eq 0 ]; then
-        expect "$1" 0 "$3" doctor tracker.yaml
-    else
-        findings "$1" "$2" "$3" tracker.yaml
+# Datagrams with that text to a port that it finds free.
+cat >sender.py <<'P'
+import socket, sys, time
+found = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+found.bind(("127.0.0.1", 0))
+to = found.getsockname()
+found.close()
+print(to[1], flush=True)
+out = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+while True:
+    for turn in range(1200 if sys.argv[1] else 0):
+        out.sendto((sys.argv[1] % turn).encode().decode("unicode_escape").encode(), to)
+        time.sleep(0.05)
+    time.sleep(1)
+P
+
+started=() names=() codes=() texts=() peers=()
+tracker() { # NAME CODE TEXT SOURCE [SCRIPT TEXT]: PORT in the source is the one that the script prints
+    local number=${#names[@]} source=$4 turn
+    names+=("$1") codes+=("$2") texts+=("$3")
+    if [ $# -gt 4 ]; then
+        python3 "$5.py" "$6" >"port$number" &
+        peers+=($!)
+        for turn in $(seq 200); do
+            [ -s "port$number" ] && break
+            sleep 0.05
+        done
+        [ -s "port$number" ] || echo "# no peer after $((turn / 20)) s"
+        source=${source/PORT/$(cat "port$number")}
     fi
-    kill $server 2>/dev/null
-    wait $server 2>/dev/null
+    site "tracker$number" "tracker: \"$source\""
+    (
+        timeout 120 "$program" doctor "tracker$number.yaml" >"tracker$number.out" 2>&1
+        echo $? >"tracker$number.code"
+    ) &
+    started+=($!)
 }
 
-tracker "a VRPN server" 0 "speaks VRPN 07.38" 'vrpn: ver. 07.38  0\0\0\0\0\0'
-tracker "an older one of its version" 0 "speaks VRPN 07.30" 'vrpn: ver. 07.30  0\0\0\0\0\0'
-tracker "one of another version" 3 "speaks VRPN 08.00, not 07" 'vrpn: ver. 08.00  0\0\0\0\0\0'
-tracker "another server" 3 "another program listens there" 'SSH-2.0-OpenSSH_9.2p1 Debian-2\r\n'
-tracker "one that says little" 3 "gave no VRPN greeting" 'vrpn'
-site nobody "tracker: Tracker0@127.0.0.1:$(cat port)"
-findings "nobody" 3 "is closed: start the VRPN server" nobody.yaml
-site odd-tracker "tracker: somewhere"
-findings "neither file nor server" 2 "neither a file nor a VRPN server" odd-tracker.yaml
+seven='vrpn: ver. 07.38  0\0\0\0\0\0'
+tracker "a VRPN server" 0 "speaks VRPN 07.38, reports sensors 2: the first after " Tracker0@127.0.0.1:PORT server "$seven"
+tracker "its clock" 0 "its clock and the way differ" vrpn:Tracker0@localhost:PORT server "$seven"
+tracker "an older one of its version" 0 "speaks VRPN 07.30" Tracker0@tcp://127.0.0.1:PORT server "${seven/38/30}"
+tracker "a server without that device" 2 "has no such device; it has: Tracker0" Wand@127.0.0.1:PORT server "$seven"
+tracker "one of another version" 3 "speaks version 08.00, not 07" Tracker0@127.0.0.1:PORT server "${seven/07.38/08.00}"
+tracker "another server" 3 "another program listens there" Tracker0@127.0.0.1:PORT server 'SSH-2.0-OpenSSH_9.2p1 Debian-2\r\n'
+tracker "one that says little" 3 "gave no VRPN greeting" Tracker0@127.0.0.1:PORT server vrpn
+tracker "nobody" 3 "is closed: start the VRPN server" Tracker0@127.0.0.1:9
+tracker "nobody who would call back" 3 "by TCP (vrpn: instead of vrpn+udp:) firewalls are kinder" vrpn+udp:Tracker0@127.0.0.1:9
+tracker "a server's name that does not resolve" 2 "the host's name does not resolve" Tracker0@no-such-host.invalid
+tracker "neither file nor server" 2 "neither a file nor a tracking source" somewhere
+tracker "a port that no datagram comes to" 3 "no datagram in 4 s at 0.0.0.0:" dtrack:PORT sender ''
+tracker "a port that something else comes to" 3 "is another protocol" gaze:PORT sender 'hello %d'
+tracker "a port that frames come to" 0 "reports sensors 4" dtrack:PORT sender 'fr %d\r\n6d 1 [4 1.0][1 2 3][1 0 0 0 1 0 0 0 1]\r\n'
+wait "${started[@]}"
+kill "${peers[@]}"
+wait "${peers[@]}" 2>/dev/null
+for i in "${!names[@]}"; do
+    [ "$(cat "tracker$i.code")" -eq "${codes[i]}" ] && grep '  tracker  ' "tracker$i.out" | grep -qF -- "${texts[i]}"
+    verdict "${names[i]}" $? <<<"exit $(cat "tracker$i.code"), wanted ${codes[i]} and \"${texts[i]}\" in: $(cat "tracker$i.out")"
+done
 finish

@@ -11,7 +11,7 @@ static inline size_t hex_bytes(const char *hex, uint8_t *out, size_t room) {
     size_t size = 0;
     while (*hex != '\0' && size < room) {
         unsigned value;
-        if (*hex == ' ') {
+        if (*hex == ' ' || *hex == '\n') {
             hex++;
             continue;
         }

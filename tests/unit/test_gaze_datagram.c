@@ -58,6 +58,24 @@ static void golden_bytes_are_read(void **state) {
     }
 }
 
+/* The page shows the same bytes. */
+static void the_page_shows_them(void **state) {
+    (void)state;
+    gw_bytes page;
+    check_ok(gw_file_read("docs/gaze-datagram.md", 1 << 20, &page, &error));
+    const char *at = (const char *)page.data;
+    for (int i = 0; i < 2; i++) {
+        uint8_t wanted[GW_GAZE_DATAGRAM], shown[GW_GAZE_DATAGRAM];
+        hex_bytes(golden_hex[i], wanted, sizeof wanted);
+        at = strstr(at, "```\n4757475a");
+        assert_non_null(at);
+        at += 4;
+        assert_int_equal(hex_bytes(at, shown, sizeof shown), sizeof shown);
+        assert_memory_equal(shown, wanted, sizeof wanted);
+    }
+    gw_bytes_finish(&page);
+}
+
 static gw_gaze_reading read_with(size_t at, uint8_t value, size_t size) {
     uint8_t data[GW_GAZE_DATAGRAM + 64] = {0};
     gw_tracking_event event;
@@ -97,6 +115,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(golden_bytes_are_written),
         cmocka_unit_test(golden_bytes_are_read),
+        cmocka_unit_test(the_page_shows_them),
         cmocka_unit_test(what_is_wrong_is_told_apart),
         cmocka_unit_test(mangled_datagrams_never_break_the_reader),
     };

@@ -412,8 +412,8 @@ static void wrong_specs_are_named(void **state) {
     (void)state;
     static const struct {
         const char *spec, *wanted;
-    } rows[] = {{"", "is no tracking source"},
-                {"somewhere", "is no tracking source"},
+    } rows[] = {{"", "nor a tracking source"},
+                {"somewhere", "nor a tracking source"},
                 {"dtrak:5000", "did you mean 'dtrack:'"},
                 {"@host", "NAME@HOST"},
                 {"vrpn:host", "NAME@HOST"},

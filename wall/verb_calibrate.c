@@ -4,6 +4,7 @@
 #include "tracking/calibrate.h"
 #include "wall/calibrate_collect.h"
 #include "wall/calibrate_file.h"
+#include "wall/calibrate_live.h"
 #include "wall/console.h"
 #include "wall/options.h"
 #include "wall/site.h"
@@ -17,36 +18,56 @@
 
 typedef struct calibrate_options {
     gw_error *error;
-    const char *source, *points, *gazes, *out;
-    int64_t sensor; /* -1: the file says */
+    const char *source, *points, *gazes, *look, *bind, *out;
+    int64_t sensor;        /* -1: the file says */
+    double seconds, still; /* seconds 0: not said */
     int exact, quiet;
 } calibrate_options;
 
-enum { KEY_POINTS = 0x2000, KEY_GAZE, KEY_SENSOR, KEY_EXACT, KEY_OUT, KEY_QUIET };
+enum {
+    KEY_POINTS = 0x2000,
+    KEY_GAZE,
+    KEY_LOOK,
+    KEY_SENSOR,
+    KEY_BIND,
+    KEY_SECONDS,
+    KEY_STILL,
+    KEY_EXACT,
+    KEY_OUT,
+    KEY_QUIET
+};
 
 static const struct argp_option option_table[] = {
     {"points", KEY_POINTS, "FILE", 0,
      "The marks: where they are in wall space, and what the device reported there, or when it was there", 0},
     {"sensor", KEY_SENSOR, "N", 0,
      "The sensor that was held at the marks (default: what the file says, or 0)", 0},
+    {"bind", KEY_BIND, "ADDRESS", 0, "Numeric address of the interface on which the source is listened to",
+     0},
+    {"seconds", KEY_SECONDS, "S", 0, "Sample for S seconds, 0.1 to 30, at a mark (default 1) or a target (2)",
+     0},
+    {"still", KEY_STILL, "MM", 0, "Samples that spread by more are taken again, at most twice (default 5)",
+     0},
     {"exact", KEY_EXACT, NULL, 0,
      "Keep unit and turn as they were measured, where they might be a usual unit and a pure axis map", 0},
     {"gaze", KEY_GAZE, "FILE", 0, "Instead: the errors of viewers' gazes at known targets, from a file", 0},
+    {"look", KEY_LOOK, "SITE", 0,
+     "Instead: those errors live, of the site's viewers, who look at nine targets on its wall", 0},
     {"out", KEY_OUT, "FILE", 0, "Write the lines for the site file there instead of printing them", 0},
     {"quiet", KEY_QUIET, NULL, 0, "Print only the lines for the site file", 0},
     {0},
 };
 
 static error_t parse_end(const calibrate_options *options) {
-    if (options->points && options->gazes)
-        gw_fail(options->error, GW_BAD_INPUT, "--points and --gaze are two things; one at a time");
-    else if (!options->points && !options->gazes)
+    const int wanted = (options->points != NULL) + (options->gazes != NULL) + (options->look != NULL);
+    if (wanted > 1)
+        gw_fail(options->error, GW_BAD_INPUT, "--points, --gaze and --look are three things; one at a time");
+    else if (wanted == 0)
         gw_fail(options->error, GW_BAD_INPUT,
-                "name the marks with --points FILE, or the gazes with --gaze FILE; docs/calibrate.md tells "
-                "how to "
-                "measure them");
-    else if (options->gazes && (options->source || options->sensor >= 0 || options->exact))
-        gw_fail(options->error, GW_BAD_INPUT, "--gaze FILE takes neither a source nor --sensor nor --exact");
+                "name the marks with --points FILE, or the gazes with --gaze FILE or --look SITE; "
+                "docs/calibrate.md tells how to measure them");
+    else if (!options->points && (options->source || options->sensor >= 0 || options->exact || options->bind))
+        gw_fail(options->error, GW_BAD_INPUT, "a source, --sensor, --bind and --exact go with --points");
     else
         return 0;
     return EINVAL;
@@ -59,6 +80,14 @@ static error_t parse_option(int key, char *value, struct argp_state *state) {
         return gw_parse_name("--points", value, &options->points, options->error) ? EINVAL : 0;
     case KEY_GAZE:
         return gw_parse_name("--gaze", value, &options->gazes, options->error) ? EINVAL : 0;
+    case KEY_LOOK:
+        return gw_parse_name("--look", value, &options->look, options->error) ? EINVAL : 0;
+    case KEY_BIND:
+        return gw_parse_name("--bind", value, &options->bind, options->error) ? EINVAL : 0;
+    case KEY_SECONDS:
+        return gw_parse_number("--seconds", value, 0.1, 30, &options->seconds, options->error) ? EINVAL : 0;
+    case KEY_STILL:
+        return gw_parse_number("--still", value, 0, 1e6, &options->still, options->error) ? EINVAL : 0;
     case KEY_OUT:
         return gw_parse_name("--out", value, &options->out, options->error) ? EINVAL : 0;
     case KEY_SENSOR:
@@ -88,15 +117,18 @@ static const struct argp calibrate_argp = {
     .options = option_table,
     .parser = parse_option,
     .args_doc = "[SOURCE]",
-    .doc = "Where a tracker stands in the room, in which unit and along which axes it measures: from marks "
-           "whose "
-           "places were measured, and what it reported there. SOURCE is a recording in which the sensor was "
-           "held at "
-           "the marks; where the file has all positions, none is needed."
-           "\vExit codes: 0 solved; 2 the file is wrong, or the marks cannot tell; 5 --out could not be "
-           "written.\n\n"
-           "docs/calibrate.md leads through it, docs/sites.md tells where the lines go.\n\n"
-           "gazewall calibrate walk.vrpn --points marks.yaml",
+    .doc =
+        "Where a tracker stands in the room, in which unit and along which axes it measures: from marks "
+        "whose "
+        "places were measured, and what it reported there. SOURCE is a recording in which the sensor was "
+        "held "
+        "at the marks, or a tracker (NAME@HOST, dtrack:PORT): then you are asked to hold the sensor at one "
+        "mark "
+        "after the other. Where the file has all positions, none is needed."
+        "\vExit codes: 0 solved; 2 the file is wrong, or the marks cannot tell; 3 a tracker is not heard of; "
+        "5 --out could not be written.\n\n"
+        "docs/calibrate.md leads through it, docs/sites.md tells where the lines go.\n\n"
+        "gazewall calibrate Tracker0@10.0.0.5 --points marks.yaml",
 };
 
 /* --- a room
@@ -111,7 +143,16 @@ static gw_code take_recording(const calibrate_options *options, gw_marks *marks,
     return code;
 }
 
-static gw_code gather_marks(const calibrate_options *options, gw_marks *marks, gw_error *error) {
+static gw_live_options live_options(const calibrate_options *options, double seconds, const gw_log *log) {
+    return (gw_live_options){.answers = stdin,
+                             .talk = stderr,
+                             .seconds = options->seconds > 0 ? options->seconds : seconds,
+                             .still = options->still,
+                             .log = log};
+}
+
+static gw_code gather_marks(const calibrate_options *options, const gw_log *log, gw_marks *marks,
+                            gw_error *error) {
     gw_code code = gw_marks_load(options->points, marks, error);
     if (code)
         return code;
@@ -126,10 +167,15 @@ static gw_code gather_marks(const calibrate_options *options, gw_marks *marks, g
     if (!options->source)
         return gw_fail(
             error, GW_BAD_INPUT,
-            "%s: mark '%s' has no 'device' position; name the recording in which the sensor was held "
-            "there",
+            "%s: mark '%s' has no 'device' position; name the tracker, or the recording in which the "
+            "sensor was held there",
             options->points, marks->points[unknown].name);
-    code = take_recording(options, marks, error);
+    const gw_live_options live = live_options(options, 1, log);
+    const int recorded = gw_file_exists(options->source);
+    if (!marks->source[0] && !recorded)
+        snprintf(marks->source, sizeof marks->source, "%s", options->source);
+    code = recorded ? take_recording(options, marks, error)
+                    : gw_marks_take_live(marks, options->source, options->bind, &live, error);
     return code ? gw_context(error, "%s", options->points) : GW_OK;
 }
 
@@ -231,7 +277,7 @@ static gw_code put_room(const calibrate_options *options, const gw_marks *marks,
 static gw_code calibrate_room(const calibrate_options *options, const gw_log *log, gw_error *error) {
     static gw_marks marks;
     gw_calibration found;
-    gw_code code = gather_marks(options, &marks, error);
+    gw_code code = gather_marks(options, log, &marks, error);
     if (!code && gw_calibrate(marks.points, marks.count, !options->exact, &found, error))
         code = gw_context(error, "%s", options->points);
     if (code)
@@ -258,13 +304,22 @@ static void print_viewer(uint32_t viewer, uint32_t targets, const gw_gaze_check 
            check->most);
 }
 
+static gw_code look(const calibrate_options *options, const gw_log *log, gw_gazes *out, gw_error *error) {
+    static gw_site site;
+    const gw_live_options live = live_options(options, 2, log);
+    memset(out, 0, sizeof *out);
+    gw_code code = gw_site_load(options->look, &site, error);
+    if (!code && (code = gw_gazes_take_live(&site, &live, out, error)))
+        gw_context(error, "%s", options->look);
+    return code;
+}
+
 static gw_code check_gazes(const calibrate_options *options, const gw_log *log, gw_error *error) {
     gw_gazes gazes;
     char text[GW_TRACK_VIEWERS * 128] = "";
-    gw_code code = gw_gazes_load(options->gazes, &gazes, error);
-    if (code)
-        return code;
-    for (uint32_t v = 0; v < GW_TRACK_VIEWERS; v++) {
+    gw_code code =
+        options->gazes ? gw_gazes_load(options->gazes, &gazes, error) : look(options, log, &gazes, error);
+    for (uint32_t v = 0; v < GW_TRACK_VIEWERS && !code; v++) {
         gw_gaze_check check;
         if (!gw_gaze_check_of(gazes.samples[v], (uint32_t)gazes.count[v], &check))
             continue;
@@ -282,14 +337,15 @@ static gw_code check_gazes(const calibrate_options *options, const gw_log *log, 
                  fmin(45, ceil(10 * check.most) / 10), v + 1);
     }
     gw_gazes_finish(&gazes);
-    if (!text[0])
-        return gw_fail(error, GW_BAD_INPUT, "%s: no gaze in it can be used", options->gazes);
-    return put_out(options->out, text, strlen(text), error);
+    if (!code && !text[0])
+        code = gw_fail(error, options->gazes ? GW_BAD_INPUT : GW_MACHINE, "%s: no gaze of it can be used",
+                       options->gazes ? options->gazes : options->look);
+    return code ? code : put_out(options->out, text, strlen(text), error);
 }
 
 int gw_verb_calibrate(int argc, char **argv) {
     gw_error error = {0};
-    calibrate_options options = {.error = &error, .sensor = -1};
+    calibrate_options options = {.error = &error, .sensor = -1, .still = 5};
     int helped = 0;
     gw_code code = gw_arguments_parse(&calibrate_argp, argc, argv, &options, &helped, &error);
     if (helped && !code)
@@ -297,8 +353,8 @@ int gw_verb_calibrate(int argc, char **argv) {
     gw_console console;
     gw_console_init(&console, "calibrate", options.quiet ? GW_LOG_WARNING : GW_LOG_INFO, 0);
     if (!code)
-        code = options.gazes ? check_gazes(&options, &console.log, &error)
-                             : calibrate_room(&options, &console.log, &error);
+        code = options.points ? calibrate_room(&options, &console.log, &error)
+                              : check_gazes(&options, &console.log, &error);
     gw_console_finish(&console);
     return code ? gw_console_fail("calibrate", &error) : GW_OK;
 }

@@ -15,8 +15,8 @@
 
 /* GW_ROW(field, kind, default, minimum, maximum, choices, stage, unit, trades, reference, help)
  * kind: REAL, INTEGER, SWITCH (0 or 1) or CHOICE (index into choices, "a|b|c").
- * stage: BUILD (changes the octree's bytes), FRAME (travels in the frame state), TRACK (changes what rank 0 puts
- * into it: eyes and gazes). */
+ * stage: BUILD (changes the octree's bytes), FRAME (travels in the frame state), TRACK (changes what rank 0
+ * puts into it: eyes and gazes). */
 /* clang-format off */
 #define GW_SETTINGS_TABLE(GW_ROW)                                                                                     \
     GW_ROW(outlier_extents, REAL, 1e6, 0.0, 1e30, "", BUILD, "extents", "far triangles against a scene shrunk to a point",    \

@@ -189,12 +189,13 @@ static int is_last(const gw_conductor *conductor, const struct gw_rank *rank, ui
            (rank->options.save_states && frame + 1 == GW_MAXIMUM_STATES);
 }
 
-/* What came after the state, for this frame's budget. */
+/* What came after the state, for this frame's budget and for when the next will be seen. */
 static void note_latency(gw_conductor *conductor, const struct gw_rank *rank, uint32_t frame,
                          double slowest) {
     const double refresh = gw_sim_times(&rank->options, &rank->site).refresh;
     const double whole = conductor->milliseconds[gw_kept(conductor, frame)];
     gw_latency_complete(&conductor->latencies[gw_kept(conductor, frame)], slowest, whole, refresh);
+    conductor->ahead_ms[frame % GW_USUAL_FRAMES] = whole + 500 / refresh;
 }
 
 static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_t frame, int64_t start,

@@ -41,6 +41,7 @@ typedef struct gw_conductor {
     double *milliseconds;                /* [kept], release to last pixel */
     gw_latency *latencies;               /* [kept] */
     double tile_ms[GW_USUAL_FRAMES];     /* median tile of the last frames, by number modulo */
+    double ahead_ms[GW_USUAL_FRAMES];    /* from state to photons, of the last frames, by number modulo */
     uint32_t missed[GW_MISSED_LOST + 1]; /* tiles of this frame, by gw_tile_missed */
     uint32_t missing;                    /* tiles without which this frame went on */
     uint32_t presented;                  /* frames that rank 0's tile showed */

@@ -18,7 +18,7 @@ static gw_code open_tracking(gw_conductor *conductor, const struct gw_rank *rank
                                     .settings = &options->draw.settings,
                                     .log = &rank->line.log};
     gw_code code = gw_tracked_open(&how, conductor->report, &conductor->tracked, error);
-    if (code)
+    if (code || gw_tracked_is_live(conductor->tracked))
         return code;
     int64_t left = gw_tracked_duration(conductor->tracked) - conductor->first_time;
     /* Without the far end: on a track that comes back to its start, the last frame would repeat the first. */
@@ -68,7 +68,8 @@ gw_code gw_conductor_choose_source(gw_conductor *conductor, const struct gw_rank
     conductor->kept = !endless               ? conductor->frame_count
                       : options->save_states ? GW_MAXIMUM_STATES
                                              : kept_when_endless;
-    if (gw_sim_runs_free(options) && options->step < 0 && !options->input && !options->states)
+    const int live = conductor->tracked && gw_tracked_is_live(conductor->tracked);
+    if ((gw_sim_runs_free(options) || live) && options->step < 0 && !options->input && !options->states)
         conductor->started = gw_now_ns();
     return code;
 }
@@ -139,6 +140,13 @@ static void navigate(const gw_conductor *conductor, gw_frame_state *state) {
     }
 }
 
+/* How far ahead a frame is seen that is made now, ns: as it was lately. In the first one kernels are
+ * compiled, so its time is not like the others'. */
+static int64_t lead_of(const gw_conductor *conductor, uint32_t frame) {
+    const uint32_t known = frame < GW_USUAL_FRAMES ? frame : GW_USUAL_FRAMES;
+    return frame < 2 ? 0 : (int64_t)(1e6 * gw_spread_of(conductor->ahead_ms, known).median);
+}
+
 /* Eyes and gaze: those of the trackers, of the command line, or of the pilot. */
 static void look(const gw_conductor *conductor, const struct gw_rank *rank, uint32_t frame, int64_t time,
                  gw_frame_state *state) {
@@ -150,7 +158,7 @@ static void look(const gw_conductor *conductor, const struct gw_rank *rank, uint
     const gw_tracker_view *view = NULL;
     gw_latency *latency = &conductor->latencies[gw_kept(conductor, frame)];
     if (gaze == GW_PILOT_GAZE_GIVEN && conductor->tracked)
-        view = gw_tracked_look(conductor->tracked, time, site->layout.eye);
+        view = gw_tracked_look(conductor->tracked, time, lead_of(conductor, frame), site->layout.eye);
     if (gaze == GW_PILOT_GAZE_POINTER)
         target = pointed;
     else if (gaze == GW_PILOT_GAZE_GIVEN && rank->options.gaze == GW_GAZE_AT_PIXEL)

@@ -99,7 +99,10 @@ static const struct argp_option sim_options[] = {
     {"eye-distance", KEY_EYE_DISTANCE, "MM", 0,
      "0 to 100 mm between a viewer's eyes along the head, default 63, or as the site says: for stereo", 1},
     {NULL, 0, NULL, 0, "Who looks where:", 2},
-    {"track", KEY_TRACK, "FILE", 0, "recording of head and gaze (VRPN log); default: the embedded demo track",
+    {"track", KEY_TRACK, "FILE|SOURCE", 0,
+     "recording of head and gaze, or a live source: NAME@HOST[:PORT] of VRPN, dtrack:PORT, gaze:PORT, "
+     "path:FILE "
+     "(docs/tracks.md); default: the site's trackers, else the embedded demo track",
      2},
     {"gaze", KEY_GAZE, "X,Y", 0, "px of the wall: no track, the untracked viewer looks there", 2},
     {"no-gaze", KEY_NO_GAZE, NULL, 0, "no track, nobody's gaze is known: sharp everywhere", 2},

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "tracking/player.h"
 #include "wall/report.h"
+#include "wall/tracked_live.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -11,16 +12,28 @@
 struct gw_tracked {
     gw_tracker *tracker;
     gw_recording *recording; /* played; NULL: the demo track, or live */
-    gw_player *player;
+    gw_player *player;       /* NULL: live */
+    gw_tracked_live *live;   /* NULL: recorded */
     int64_t duration;
     gw_tracker_setup setup;
     gw_tracker_view view;
 };
 
+/* 1 when the text names a source of live events and no file of that name is there. */
+static int is_source(const char *track) {
+    static const char *const prefixes[] = {"vrpn:", "vrpn+udp:", "dtrack:", "gaze:", "path:"};
+    if (gw_file_exists(track))
+        return 0;
+    for (size_t i = 0; i < sizeof prefixes / sizeof *prefixes; i++)
+        if (!strncmp(track, prefixes[i], strlen(prefixes[i])))
+            return 1;
+    return strchr(track, '@') || !strcmp(track, "mouse") || !strcmp(track, "null");
+}
+
 /* --- opening */
 
 static gw_code create_tracker(gw_tracked *tracked, const gw_tracked_options *options, gw_error *error) {
-    gw_tracker_options how = {.settings = options->settings, .adopt_first = 1};
+    gw_tracker_options how = {.settings = options->settings, .adopt_first = tracked->live == NULL};
     memcpy(how.neutral_eye, options->site->layout.eye, sizeof how.neutral_eye);
     return gw_tracker_create(&tracked->setup, &how, &tracked->tracker, error);
 }
@@ -101,14 +114,30 @@ static gw_code open_recording(gw_tracked *tracked, const gw_tracked_options *opt
                 : gw_player_open(tracked->recording, sources, delay_of(options), &tracked->player, error);
 }
 
+static gw_code open_live(gw_tracked *tracked, const gw_tracked_options *options, json_t *report,
+                         gw_error *error) {
+    json_object_set_new(report, "tracking", json_pack("{s:s}", "state", "live"));
+    return gw_tracked_live_open(&tracked->setup, delay_of(options), options->log, &tracked->live, error);
+}
+
 static gw_code open_source(gw_tracked *tracked, const gw_tracked_options *options, json_t *report,
                            gw_error *error) {
     const gw_tracker_setup *site = &options->site->trackers;
-    if (options->track)
+    if (options->track && !is_source(options->track))
         return open_recording(tracked, options, options->track, report, error);
+    if (options->track) {
+        gw_tracker_setup_default(options->track, &tracked->setup);
+        if (strlen(options->track) >= sizeof tracked->setup.sources[0].spec)
+            return gw_fail(error, GW_BAD_INPUT, "--track '%.40s...' is too long for a source",
+                           options->track);
+        return open_live(tracked, options, report, error);
+    }
+    if (site->source_count == 0)
+        return open_demo(tracked, options, report, error);
     if (site->source_count == 1 && gw_file_exists(site->sources[0].spec))
         return open_recording(tracked, options, site->sources[0].spec, report, error);
-    return open_demo(tracked, options, report, error);
+    tracked->setup = *site;
+    return open_live(tracked, options, report, error);
 }
 
 gw_code gw_tracked_open(const gw_tracked_options *options, json_t *report, gw_tracked **out,
@@ -128,6 +157,7 @@ gw_code gw_tracked_open(const gw_tracked_options *options, json_t *report, gw_tr
 void gw_tracked_close(gw_tracked **tracked) {
     if (!*tracked)
         return;
+    gw_tracked_live_close(&(*tracked)->live);
     gw_player_close(&(*tracked)->player);
     gw_recording_destroy(&(*tracked)->recording);
     gw_tracker_destroy(&(*tracked)->tracker);
@@ -139,12 +169,22 @@ int64_t gw_tracked_duration(const gw_tracked *tracked) {
     return tracked->duration;
 }
 
+int gw_tracked_is_live(const gw_tracked *tracked) {
+    return tracked->live != NULL;
+}
+
 /* --- frames */
 
-const gw_tracker_view *gw_tracked_look(gw_tracked *tracked, int64_t time, const double neutral_eye[3]) {
+const gw_tracker_view *gw_tracked_look(gw_tracked *tracked, int64_t time, int64_t lead,
+                                       const double neutral_eye[3]) {
     gw_tracker_set_neutral(tracked->tracker, neutral_eye);
-    gw_player_feed(tracked->player, tracked->tracker, time);
-    gw_tracker_at(tracked->tracker, time, time, &tracked->view);
+    if (tracked->live) {
+        const int64_t now = gw_tracked_live_feed(tracked->live, tracked->tracker);
+        gw_tracker_at(tracked->tracker, now, now + lead, &tracked->view);
+    } else {
+        gw_player_feed(tracked->player, tracked->tracker, time);
+        gw_tracker_at(tracked->tracker, time, time, &tracked->view);
+    }
     return &tracked->view;
 }
 
@@ -178,4 +218,6 @@ void gw_tracked_report(gw_tracked *tracked, json_t *report) {
                                   count(c->not_finite), "headless", count(c->headless), "unassigned",
                                   count(c->unassigned), "clock_steps", count(c->clock_steps), "losses",
                                   count(c->losses), "saccades", count(c->saccades)));
+    if (tracked->live)
+        json_object_set_new(tracking, "sources", gw_tracked_live_json(tracked->live));
 }

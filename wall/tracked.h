@@ -1,5 +1,6 @@
-/* Where the heads and gazes of a run come from: a recording that is played into the tracker. --track says
- * which; without it the site's, else the embedded demo track. Rank 0, the conductor's thread. */
+/* Where the heads and gazes of a run come from: a recording that is played into the tracker, or sources that
+ * are read while frames are drawn (tracking/reader.h). --track says which; without it the site's trackers,
+ * else the embedded demo track. Rank 0, the conductor's thread. */
 #ifndef GW_WALL_TRACKED_H
 #define GW_WALL_TRACKED_H
 
@@ -14,7 +15,7 @@
 typedef struct gw_tracked gw_tracked;
 
 typedef struct gw_tracked_options {
-    const char *track; /* file; NULL: the site's, or the demo track */
+    const char *track; /* file or source; NULL: the site's, or the demo track */
     const gw_site *site;
     const gw_settings *settings;
     const gw_log *log;
@@ -25,11 +26,15 @@ typedef struct gw_tracked_options {
 gw_code gw_tracked_open(const gw_tracked_options *options, json_t *report, gw_tracked **out, gw_error *error);
 void gw_tracked_close(gw_tracked **tracked);
 
-int64_t gw_tracked_duration(const gw_tracked *tracked); /* ns */
+/* ns, of a recording; 0 of live sources, which have no end. */
+int64_t gw_tracked_duration(const gw_tracked *tracked);
+int gw_tracked_is_live(const gw_tracked *tracked);
 
-/* Everybody at `time` of the recording (ns since its beginning), when the frame is made and seen. The pointer
- * holds until the next call. */
-const gw_tracker_view *gw_tracked_look(gw_tracked *tracked, int64_t time, const double neutral_eye[3]);
+/* Everybody for a frame: of a recording at `time` (ns since its beginning), which then is also when it is
+ * seen; of live sources now, for a frame that is seen `lead` ns later. The pointer holds until the next call.
+ */
+const gw_tracker_view *gw_tracked_look(gw_tracked *tracked, int64_t time, int64_t lead,
+                                       const double neutral_eye[3]);
 
 /* Adds states and counters of the run to the report's key `tracking`. */
 void gw_tracked_report(gw_tracked *tracked, json_t *report);

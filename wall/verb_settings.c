@@ -34,8 +34,7 @@ int gw_verb_settings(int argc, char **argv) {
         return GW_OK;
     gw_settings defaults;
     gw_settings_init(&defaults);
-    static const char *const headings[] = {"Octree (change its bytes):",
-                                           "Frame (travel in the frame state):",
+    static const char *const headings[] = {"Octree (change its bytes):", "Frame (travel in the frame state):",
                                            "Tracking (change the eyes and gazes in the frame state):"};
     for (int stage = GW_SETTING_BUILD; stage <= GW_SETTING_TRACK; stage++) {
         printf("%s%s\n\n", stage ? "\n" : "", headings[stage]);

@@ -66,7 +66,9 @@ void main() {
     // Normals of a voxel that agree by a turn at angles of about sqrt(2 (1 - a)) from their mean.
     precise float turn = voxel ? sqrt(2.0 * (1.0 - start.agreement)) : curvature_of(id) * width;
     precise float spread = ray.width / size + 2.0 * min(turn, 1.0);
-    Secondary_origin from = secondary_origin(start, ray.tau * width, dot(reflected, start.normal), reflected, NEVER_CLEAR);
+    float accepted = ray.tau * width;
+    Secondary_origin from = secondary_origin(start, accepted, dot(reflected, start.normal),
+                                             out_of_reach(start, accepted, reflected));
     uint row = at * GW_REFLECTED_ROWS;
     reflected_rays[row] = vec4(from.origin, width);
     reflected_rays[row + 1u] = vec4(reflected, spread);

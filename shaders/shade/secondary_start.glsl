@@ -2,7 +2,8 @@
 //
 // From triangles it starts with triangles only, up to where it has left every voxel that could hold the surface it comes from:
 // with voxels of side h, a plane with the unit normal n lies in cells that reach up to h (|nx| + |ny| + |nz|) above it. A voxel
-// is known no better than to its own side: from there the ray starts at that height. Needs shade/surface.glsl before it.
+// is known no better than to its own side: a reflected ray starts from there at that height, a shadow's as near as the voxel's
+// shape allows. Needs shade/surface.glsl before it.
 #include "common/surface_offset.glsl"
 
 const float NEVER_CLEAR = 1e30;
@@ -12,7 +13,10 @@ struct Secondary_start {
     float own_side;     // of the voxel; 0 for triangles
     float agreement;    // of its normals
     vec3 back;          // unit, to where the ray came from
-    float free;         // how far that way may be gone
+    float height;       // of the voxel's place above the middle of its slab, along the normal
+    float within;       // how far on the ray stays in the voxel
+    float slab_half;    // of its thickness
+    float slab_share;   // how much the voxel is a slab and not a cloud
 };
 
 #ifdef LOD
@@ -33,11 +37,23 @@ Secondary_start secondary_start(uint id, float t, vec3 origin, vec3 direction) {
     uint node = voxel ? id & ~GW_FRAGMENT_VOXEL : 0u;
     Corner_weights corner = weights_at(voxel ? 0u : id, t, origin, direction);
     Surface surface = surface_of_voxel(node, t, origin, direction);
+    float side = side_of_node(node);
+    uvec3 payload = PAYLOAD(node);
+    vec3 normal = payload_normal(payload);
+    Voxel_shape shape = voxel_shape(payload, normal);
+    // The ray entered the cell here: a little further on, beyond rounding, it is inside.
+    precise vec3 inside = (surface.position - back * max(side * (1.0 / 2048.0), 5e-7) + 1.0) / side;
+    precise vec3 place = (surface.position + 1.0) / side - floor(inside) - 0.5;
+    precise float height = side * (dot(normal, place) - shape.slab_centre);
+    precise vec3 ends = (0.5 + sign(back) * place) / max(abs(back), vec3(1e-6));
+    float within = side * max(min(min(ends.x, ends.y), ends.z), 0.0);
     return Secondary_start(voxel ? surface.position : corner.position, voxel ? surface.normal : corner.normal,
-                           voxel ? side_of_node(node) : 0.0, voxel ? surface.agreement : 1.0, back, 0.5 * t * size);
+                           voxel ? side : 0.0, voxel ? surface.agreement : 1.0, back,
+                           dot(normal, surface.normal) < 0.0 ? -height : height, within,
+                           side * shape.slab_half, shape.slab_share);
 #else
     Corner_weights corner = weights_at(id, t, origin, direction);
-    return Secondary_start(corner.position, corner.normal, 0.0, 1.0, back, 0.5 * t * size);
+    return Secondary_start(corner.position, corner.normal, 0.0, 1.0, back, 0.0, 0.0, 0.0, 0.0);
 #endif
 }
 
@@ -63,17 +79,48 @@ struct Secondary_origin {
     float clear; // t up to which only triangles count
 };
 
-// accepted: error at the start; rise: of the ray above the surface per unit of t; way_out: unit, along which a voxel is left, and
-// how far that is free. A shadow's ray leaves along the way back to the eye, which is free; the normal need not be: at the edge
-// of a wall whose sides are not turned the same way it leads into it. A reflected ray leaves along itself. Where the way out is
-// low above the surface, twice the reach must do.
-Secondary_origin secondary_origin(Secondary_start start, float accepted, float rise, vec3 way_out, float free) {
+// accepted: error at the start; rise: of the ray above the surface per unit of t; from_voxel: where it starts from a voxel.
+Secondary_origin secondary_origin(Secondary_start start, float accepted, float rise, vec3 from_voxel) {
     float reach = reach_of(start, accepted);
     bool voxel = start.own_side > 0.0;
-    precise float way = min(reach / max(dot(way_out, start.normal), 0.5), free);
-    precise vec3 lifted = start.place + way_out * way;
     Secondary_origin from;
-    from.origin = voxel ? lifted : offset_from_surface(start.place, start.normal);
+    from.origin = voxel ? from_voxel : offset_from_surface(start.place, start.normal);
     from.clear = !voxel && reach > 0.0 ? min(reach / max(rise, 1e-30), NEVER_CLEAR) : 0.0;
     return from;
+}
+
+// A place that no voxel reaches which could hold what the one at the start does, along a unit direction. Where that is low above the
+// surface, twice the reach must do.
+vec3 out_of_reach(Secondary_start start, float accepted, vec3 direction) {
+    precise float way = reach_of(start, accepted) / max(dot(direction, start.normal), 0.5);
+    precise vec3 place = start.place + direction * way;
+    return place;
+}
+
+// Where a shadow's ray leaves a voxel. A cloud is left where the ray entered it: what is in it and beside it stands in its light.
+// A slab must not: it is left where the ray that met it is above it, and above the slabs of neighbours of its own size and of
+// the coarsest one.
+vec3 shadow_origin(Secondary_start start, float accepted) {
+    precise float above = start.slab_half + 2.0 * SLAB_HALF * max(coarsest_voxel(accepted), start.own_side);
+#ifdef NO_REACH
+    above = 0.0; // the naive variant, for the test that shows why
+#endif
+    float facing = max(dot(start.back, start.normal), 1e-3);
+    precise float way = clamp((above - start.height) / facing, -start.within, start.own_side);
+    precise float lack = max(above - (start.height + way * facing), 0.0);
+    precise vec3 origin = start.place + start.slab_share * (way * start.back + lack * start.normal);
+    return origin;
+}
+
+// The same towards a light that is `distance` away. What is seen of a lit room through a joint of its voxels, or lit through one,
+// is the brighter the nearer the light: up to 32 times the reach the ray leaves along the way back to the eye, which is free, out of the
+// reach of all of them, from 64 on as above. (The normal need not be free: at the edge of a wall whose sides are not turned the
+// same way it leads into it.)
+vec3 shadow_origin_near(Secondary_start start, float accepted, float distance) {
+    float near = clamp(2.0 - distance / (32.0 * max(reach_of(start, accepted), 1e-30)), 0.0, 1.0);
+#ifdef ALWAYS_OUT_OF_REACH
+    near = 1.0; // the naive variant, for the test that shows why
+#endif
+    precise vec3 origin = mix(shadow_origin(start, accepted), out_of_reach(start, accepted, start.back), near);
+    return origin;
 }

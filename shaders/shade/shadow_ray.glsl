@@ -23,9 +23,10 @@ Shadow_ray shadow_ray_of(uint id, float t, vec3 origin, vec3 direction, float wi
     vec3 towards = point ? vector - start.place : vector;
     precise float rise = dot(towards, start.normal);
     precise float accepted = frame.secondary.x * tau * width;
-    Secondary_origin from = secondary_origin(start, accepted, rise, start.back, start.free);
+    float far = point ? length_precise(towards) : NEVER_CLEAR;
+    Secondary_origin from = secondary_origin(start, accepted, rise, shadow_origin_near(start, accepted, far));
     // A light that near is within what voxels can tell.
-    bool near = point && reach_of(start, accepted) > 0.5 * length_precise(towards);
+    bool near = reach_of(start, accepted) > 0.5 * far;
 
     Shadow_ray ray;
     // Light from behind reaches no surface; what lies in a voxel faces all ways as far as its normals disagree.

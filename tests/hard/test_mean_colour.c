@@ -1,13 +1,17 @@
 /* Voxels keep the mean colour of what they stand for: small closed things - bars, boxes, balls - whose fronts
  * and backs lie in different cells, and leaves, that have no back of their own. Everything shines alike
- * before black, so the picture's mean is what is covered. Counting backs breaks the bounds. */
+ * before black, so the picture's mean is what is covered. Counting backs breaks the bounds.
+ * And of leaves under a sun over the viewer's shoulder: what is seen of them faces the light more than the
+ * mean of all their normals, and they stand in each other's light within a voxel, too. */
 #include "tests/support/check.h"
 
 #include "base/srgb.h"
+#include "render/features.h"
 #include "tests/support/meshes.h"
 #include "tests/support/renders.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 enum { SIDE = 64, PIXELS = SIDE * SIDE, RAYS_FACTOR = 4 }; /* 16 rays have a quarter of a pixel's footprint */
 
@@ -129,7 +133,70 @@ static void what_is_covered_stays(void **state) {
     assert_true(most > 1.5);
 }
 
+static double mean_of_channel(const uint8_t *rgba, int channel) {
+    double sum = 0;
+    for (size_t i = 0; i < PIXELS; ++i)
+        sum += gw_srgb_code_to_linear(rgba[i * 4 + (size_t)channel]);
+    return sum / PIXELS;
+}
+
+/* Light that what is covered reflects, over that at tau 0, less 1: without and with shadows. The sun is red,
+ * and green light from everywhere tells how much is covered. */
+static void errors_of_light(thing what, const char *shaders, const char *name, double errors[2]) {
+    enum { TAU = 4 };
+    gw_scene *scene = make(what);
+    scene->lights = calloc(1, sizeof *scene->lights);
+    assert_non_null(scene->lights);
+    scene->light_count = 1;
+    scene->lights[0] = (gw_light){GW_LIGHT_DIRECTIONAL, {0.3, -0.27, -0.914}, {2, 0, 0}};
+    scene->ambient[1] = 1;
+    for (int k = 0; k < 3; ++k) {
+        scene->materials[0].base_color[k] = 0.6f;
+        scene->materials[0].emissive[k] = 0;
+    }
+    gw_stage stage;
+    gw_camera camera;
+    check_ok(gw_stage_open(&stage, scene, shaders,
+                           (const char *const[]){"octree_depth=9", "samples=16", NULL}, &error));
+    gw_camera_look(&camera, &stage, (const double[]){0.4, 0.3, 5}, (const double[]){0, 0, 0}, 13, SIDE);
+    for (int shadows = 0; shadows < 2; ++shadows) {
+        const gw_renderer_options options = {.forbid_features = shadows ? 0 : GW_FEATURE_SHADOWS};
+        gw_renderer *renderer = NULL;
+        double light[2];
+        check_ok(gw_renderer_create(stage.device, stage.scene, stage.octree, &options, &renderer, &error));
+        for (int i = 0; i < 2; ++i) {
+            camera.state.tau_inside = (float)(TAU * i * RAYS_FACTOR);
+            uint8_t *picture = gw_camera_take(&camera, renderer, NULL);
+            light[i] = mean_of_channel(picture, 0) / mean_of_channel(picture, 1);
+            free(picture);
+        }
+        errors[shadows] = light[1] / light[0] - 1;
+        gw_renderer_destroy(&renderer);
+    }
+    print_message("# light on %s%s at tau %d: off by %+.3f without shadows, %+.3f with them\n", names[what],
+                  name, TAU, errors[0], errors[1]);
+    gw_stage_close(&stage);
+}
+
+static void light_stays(void **state) {
+    double balls[2], leaves[2], unseen[2], far[2];
+    char folder[512];
+    (void)state;
+    errors_of_light(BALLS, NULL, "", balls);
+    errors_of_light(LEAVES, NULL, "", leaves);
+    errors_of_light(BALLS, gw_naive_shaders(folder, "unseen", "shade/brdf.glsl", "UNSEEN_NORMALS"),
+                    ", normals that are not seen", unseen);
+    assert_true(fabs(balls[0]) < 0.05 && fabs(balls[1]) < 0.08 && unseen[0] < -0.08);
+    errors_of_light(
+        LEAVES, gw_naive_shaders(folder, "out-of-reach", "shade/secondary_start.glsl", "ALWAYS_OUT_OF_REACH"),
+        ", shadows from out of reach", far);
+    assert_true(fabs(leaves[0]) < 0.02 && fabs(leaves[1]) < 0.06 && far[1] > 0.2);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(what_is_covered_stays)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_covered_stays),
+        cmocka_unit_test(light_stays),
+    };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -103,7 +103,7 @@ static void demo(void **state) {
     (void)state;
     check_ok(gw_demo_scene(&scene, &error));
     gw_viewpoint view = scene->viewpoints[0];
-    error_falls("demo", scene, &view, "octree_depth=10", 3.2);
+    error_falls("demo", scene, &view, "octree_depth=10", 1.6);
 }
 
 /* Leaves of one side each, at random in a cube. */
@@ -154,7 +154,7 @@ static void maple(void **state) {
         view.eye[k] = scene->centre[k] + (const double[]){0.5, 0.3, 1.8}[k] * size;
         scene->ambient[k] = 2;
     }
-    error_falls("maple", scene, &view, "octree_depth=10", 4); /* voxels of leaves are too dense */
+    error_falls("maple", scene, &view, "octree_depth=10", 2.8); /* voxels of leaves are too dense */
 }
 
 int main(void) {

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -32,6 +33,7 @@ static gw_tracker_tuning tuning_of(const gw_settings *s) {
 
 void gw_tracker_reset(gw_tracker *tracker) {
     memset(tracker->clocks, 0, sizeof tracker->clocks);
+    memset(&tracker->wand, 0, sizeof tracker->wand);
     memset(tracker->heads, 0, sizeof tracker->heads);
     memset(tracker->gazes, 0, sizeof tracker->gazes);
     for (int i = 0; i < GW_TRACK_VIEWERS; i++) {
@@ -75,14 +77,39 @@ static int is_gaze_of(const gw_tracker_viewer *viewer, int source, const gw_trac
     return (any || viewer->gaze == GW_GAZE_KIND_SENSOR) && viewer->gaze_sensor == event->sensor;
 }
 
+/* An axis in its range, still where a hand that lets go leaves it. */
+static double deflection(double value) {
+    const double rest = 0.1;
+    return fabs(value) < rest ? 0 : fmin(fmax(value, -1), 1);
+}
+
+/* 1 when the event is of the device that navigates. */
+static int move_wand(gw_wand *wand, const gw_tracker_navigation *navigation, const gw_tracking_event *event) {
+    if (event->kind == GW_EVENT_BUTTON && event->sensor == navigation->reset)
+        wand->resets += event->of.button.pressed != 0;
+    else if (event->kind == GW_EVENT_ANALOG && event->sensor == navigation->forward)
+        wand->forward = deflection(event->of.analog.value);
+    else if (event->kind == GW_EVENT_ANALOG && event->sensor == navigation->turn)
+        wand->turn = deflection(event->of.analog.value);
+    else if (event->kind == GW_EVENT_LINK && !event->of.link.up)
+        wand->forward = wand->turn = 0; /* nobody flies on a stick that is gone */
+    else
+        return 0;
+    return event->kind != GW_EVENT_LINK;
+}
+
 void gw_tracker_take(gw_tracker *tracker, int source, const gw_tracking_event *event) {
-    int taken = 0;
+    int taken = event->sensor >= 0 && source == tracker->setup.navigation.source &&
+                move_wand(&tracker->wand, &tracker->setup.navigation, event);
     const int told = event->kind == GW_EVENT_POSE || event->kind == GW_EVENT_GAZE;
     if (told && event->sensor >= 0 && source >= 0 && (uint32_t)source < tracker->setup.source_count)
         for (uint32_t i = 0; i < tracker->setup.viewer_count && i < GW_TRACK_VIEWERS; i++) {
             const gw_tracker_viewer *viewer = &tracker->setup.viewers[i];
             if (event->kind == GW_EVENT_POSE && viewer->source == source &&
                 viewer->head_sensor == event->sensor) {
+                if (event->quality >= 0)
+                    gw_room_watch(&tracker->sanity[source], &tracker->setup.sources[source].room,
+                                  event->of.pose.position);
                 gw_head_take(tracker, i, event);
                 taken = 1;
             }
@@ -100,6 +127,28 @@ void gw_tracker_at(const gw_tracker *tracker, int64_t now, int64_t presentation,
         gw_head_at(tracker, i, now, presentation, &out->viewers[i]);
         gw_gaze_at(tracker, i, now, presentation, &out->viewers[i]);
     }
+}
+
+void gw_tracker_wand(const gw_tracker *tracker, gw_wand *out) {
+    *out = tracker->wand;
+}
+
+void gw_tracker_set_rooms(gw_tracker *tracker, const gw_tracker_setup *setup) {
+    gw_tracker_setup *own = &tracker->setup;
+    for (uint32_t s = 0; s < own->source_count && s < setup->source_count; s++)
+        own->sources[s].room = setup->sources[s].room;
+    memset(tracker->sanity, 0, sizeof tracker->sanity);
+    for (uint32_t v = 0; v < own->viewer_count && v < setup->viewer_count; v++) {
+        gw_tracker_viewer *to = &own->viewers[v];
+        const gw_tracker_viewer *from = &setup->viewers[v];
+        memcpy(to->head_turn, from->head_turn, sizeof to->head_turn);
+        memcpy(to->eye_offset, from->eye_offset, sizeof to->eye_offset);
+        to->gaze_error = from->gaze_error;
+    }
+}
+
+int gw_tracker_suspect(const gw_tracker *tracker, int source, char *text, size_t size) {
+    return gw_room_suspect(&tracker->sanity[source], &tracker->setup.sources[source].room, text, size);
 }
 
 const gw_tracker_counters *gw_tracker_count(const gw_tracker *tracker) {

@@ -17,6 +17,7 @@
 #include "tracking/sensor_state.h"
 #include "tracking/setup.h"
 
+#include <stddef.h>
 #include <stdint.h>
 
 typedef struct gw_tracker_options {
@@ -63,6 +64,12 @@ typedef struct gw_tracker_view {
     gw_viewer_view viewers[GW_TRACK_VIEWERS];
 } gw_tracker_view;
 
+/* What the device that navigates asks for (gw_tracker_setup.navigation). */
+typedef struct gw_wand {
+    double forward, turn; /* -1 to 1: ahead, to the right; 0 near the middle, and when the device is lost */
+    uint64_t resets;      /* how often the button was pressed */
+} gw_wand;
+
 typedef struct gw_tracker gw_tracker;
 
 gw_code gw_tracker_create(const gw_tracker_setup *setup, const gw_tracker_options *options, gw_tracker **out,
@@ -79,6 +86,14 @@ void gw_tracker_take(gw_tracker *tracker, int source, const gw_tracking_event *e
 /* All viewers, from the events taken so far, for a frame that is made at `now` and seen at `presentation`
  * (ns, the clock of the arrivals). */
 void gw_tracker_at(const gw_tracker *tracker, int64_t now, int64_t presentation, gw_tracker_view *out);
+
+void gw_tracker_wand(const gw_tracker *tracker, gw_wand *out);
+
+/* Takes over where sources stand in the room (unit, axes, turn, shift) and how sensors sit on heads and how
+ * sure gazes are; which sources and sensors there are stays. */
+void gw_tracker_set_rooms(gw_tracker *tracker, const gw_tracker_setup *setup);
+/* Whether heads of a source are where heads can be: 1 and a sentence if not (gw_room_suspect). */
+int gw_tracker_suspect(const gw_tracker *tracker, int source, char *text, size_t size);
 
 const gw_tracker_counters *gw_tracker_count(const gw_tracker *tracker);
 

@@ -69,6 +69,8 @@ struct gw_tracker {
     gw_source_clock clocks[GW_TRACKER_SOURCES];
     gw_head_channel heads[GW_TRACK_VIEWERS];
     gw_gaze_channel gazes[GW_TRACK_VIEWERS];
+    gw_wand wand;
+    gw_room_sanity sanity[GW_TRACKER_SOURCES]; /* of heads */
     gw_tracker_counters counters;
 };
 

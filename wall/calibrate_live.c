@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 enum { TRIES = 3, LEAST_SAMPLES = 5, BATCH = 64, WAIT_MS = 100 };
+static const double WANDERING = 4; /* degrees: a gaze that rests keeps within far less */
 
 typedef struct live {
     gw_reader *reader;
@@ -64,13 +65,16 @@ static gw_code wait_for_enter(live *l, gw_error *error) {
     }
 }
 
-static void sample(live *l) {
+/* What comes in the next seconds; gazes go into `gazes`. What came before counts no more. */
+static void sample(live *l, gw_gazes *gazes) {
+    drain(l, 0);
+    l->gazes = gazes;
     const int64_t until = gw_now_ns() + (int64_t)(l->options->seconds * 1e9);
-    drain(l, 0); /* what came before counts no more */
     do {
         wait_for(l, NULL, until);
         drain(l, 1);
     } while (gw_now_ns() < until);
+    l->gazes = NULL;
 }
 
 /* --- marks
@@ -111,7 +115,7 @@ static gw_code take_mark(live *l, gw_marks *marks, uint32_t index, double unit, 
         if (code)
             return code;
         l->count = 0;
-        sample(l);
+        sample(l, NULL);
         gw_mark_of(l->samples, l->count, mark);
         if (mark->count < LEAST_SAMPLES) {
             tell_silence(l);
@@ -202,31 +206,79 @@ static gw_code find_target(const gw_layout *layout, int index, double pixel[2], 
     return gw_layout_point(layout, pixel, out, error);
 }
 
+static uint32_t rectangles_of(const gw_layout *layout, gw_wall_rectangle out[GW_MAXIMUM_TILES]) {
+    for (uint32_t t = 0; t < layout->tile_count; t++) {
+        double corners[4][3];
+        gw_tile_corners(&layout->tiles[t], corners);
+        for (int i = 0; i < 3; i++) {
+            out[t].corner[i] = corners[0][i];
+            out[t].across[i] = corners[1][i] - corners[0][i];
+            out[t].down[i] = corners[2][i] - corners[0][i];
+        }
+    }
+    return layout->tile_count;
+}
+
+/* Whether a viewer's gazes from `first` on rest, as far as they meet the wall; tells how surely. */
+static int rests(const live *l, const gw_layout *layout, const gw_gazes *gazes, uint32_t viewer,
+                 size_t first) {
+    static gw_wall_rectangle walls[GW_MAXIMUM_TILES];
+    gw_gaze_spot spots[GW_FIXATION_SPOTS];
+    gw_fixation found;
+    const uint32_t tiles = rectangles_of(layout, walls);
+    size_t count = gazes->count[viewer] - first,
+           from = count > GW_FIXATION_SPOTS ? count - GW_FIXATION_SPOTS : 0;
+    if (count == 0)
+        return 1;
+    const gw_gaze_sample *samples = gazes->samples[viewer] + first + from;
+    count -= from;
+    for (size_t i = 0; i < count; i++)
+        spots[i].is_open =
+            gw_gaze_meets(walls, tiles, samples[i].eye, samples[i].direction, spots[i].point) >= 0;
+    if (!gw_fixation_of(spots, (uint32_t)count, samples[count - 1].eye, &found)) {
+        fprintf(l->options->talk, "  viewer %u looks beside the wall\n", viewer + 1);
+        return 1;
+    }
+    fprintf(l->options->talk, "  viewer %u at [%.0f, %.0f, %.0f], 95 of 100 within %.2f x %.2f degrees\n",
+            viewer + 1, found.point[0], found.point[1], found.point[2], found.half_angles[0],
+            found.half_angles[1]);
+    return found.half_angles[0] <= WANDERING;
+}
+
+/* One target, as often as it takes for all gazes to rest, at most TRIES times. */
 static gw_code take_target(live *l, const gw_layout *layout, int index, gw_gazes *out, gw_error *error) {
     double pixel[2];
-    size_t before = 0, after = 0;
+    size_t before[GW_TRACK_VIEWERS];
+    int resting = 0, heard = 0;
+    memcpy(before, out->count, sizeof before);
     gw_code code = find_target(layout, index, pixel, l->target, error);
-    if (code)
-        return code;
-    fprintf(l->options->talk,
-            "target %d of 9, pixel %.0f,%.0f at [%.0f, %.0f, %.0f]: look at it and press Enter\n", index + 1,
-            pixel[0], pixel[1], l->target[0], l->target[1], l->target[2]);
-    code = wait_for_enter(l, error);
-    for (int v = 0; v < GW_TRACK_VIEWERS; v++)
-        before += out->count[v];
-    if (code)
-        return code;
-    drain(l, 0);
-    l->gazes = out;
-    sample(l);
-    l->gazes = NULL;
-    for (int v = 0; v < GW_TRACK_VIEWERS; v++) {
-        out->targets[v] += out->count[v] > 0;
-        after += out->count[v];
+    for (int attempt = 0; attempt < TRIES && !code && !(resting && heard); attempt++) {
+        memcpy(out->count, before, sizeof before);
+        fprintf(l->options->talk,
+                "target %d of 9, pixel %.0f,%.0f at [%.0f, %.0f, %.0f]: look at it and press Enter\n",
+                index + 1, pixel[0], pixel[1], l->target[0], l->target[1], l->target[2]);
+        code = wait_for_enter(l, error);
+        if (code)
+            break;
+        sample(l, out);
+        code = l->code;
+        resting = 1;
+        heard = 0;
+        for (uint32_t v = 0; v < GW_TRACK_VIEWERS && !code; v++) {
+            resting &= rests(l, layout, out, v, before[v]);
+            heard |= out->count[v] > before[v];
+        }
+        if (!heard)
+            fputs("  no viewer's gaze is heard of\n", l->options->talk);
+        else if (!resting)
+            fputs("  that wanders; look at the target until the next one is asked for\n", l->options->talk);
     }
-    fprintf(l->options->talk, "  %zu gazes%s\n", after - before,
-            after > before ? "" : ": no viewer's gaze is heard of");
-    return l->code;
+    if (!code && !heard)
+        code = gw_fail(error, GW_MACHINE,
+                       "no viewer's gaze was heard of; `gazewall doctor SITE` tests the way to trackers");
+    for (int v = 0; v < GW_TRACK_VIEWERS; v++)
+        out->targets[v] += out->count[v] > before[v];
+    return code;
 }
 
 gw_code gw_gazes_take_live(const gw_site *site, const gw_live_options *options, gw_gazes *out,

@@ -1,5 +1,6 @@
 #include "wall/controls.h"
 
+#include <math.h>
 #include <string.h>
 
 /* rad for dragging over the whole wall, across and down, and per s of a held arrow. */
@@ -76,6 +77,11 @@ gw_navigation_input gw_controls_take(gw_controls *controls) {
     };
     controls->dragged[0] = controls->dragged[1] = controls->notches = 0;
     return input;
+}
+
+void gw_controls_add_wand(gw_navigation_input *input, const gw_wand *wand) {
+    input->move[2] = fmin(fmax(input->move[2] + wand->forward, -1), 1);
+    input->turning[0] += turn_per_second * wand->turn;
 }
 
 unsigned gw_controls_pressed(gw_controls *controls, int32_t key) {

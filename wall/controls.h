@@ -3,6 +3,7 @@
 #define GW_WALL_CONTROLS_H
 
 #include "base/window.h"
+#include "tracking/tracker.h"
 #include "wall/navigate.h"
 
 typedef struct gw_controls {
@@ -21,6 +22,8 @@ typedef struct gw_controls {
 void gw_controls_note(gw_controls *controls, const gw_event *event);
 /* How navigation is asked to go on. Empties what had gathered of drags and the wheel. */
 gw_navigation_input gw_controls_take(gw_controls *controls);
+/* Adds what a navigating device asks for: ahead as W, turning as the arrows. */
+void gw_controls_add_wand(gw_navigation_input *input, const gw_wand *wand);
 /* How often the key was pressed since it was last asked. */
 unsigned gw_controls_pressed(gw_controls *controls, int32_t key);
 

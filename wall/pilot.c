@@ -32,6 +32,7 @@ struct gw_pilot {
     double pixel[2]; /* of the wall's picture, that is pointed at */
     int flying;
     gw_navigation navigation;
+    gw_wand wand;
     int64_t last_time; /* ns of the frame before, for steps of navigation; negative: none */
     int birdseye, help, ring;
     int64_t shown[RATE_FRAMES]; /* ns, when the last frames were shown */
@@ -41,11 +42,18 @@ struct gw_pilot {
 /* --- opening
  * --------------------------------------------------------------------------------------------------- */
 
+/* The site's trackers have a device that navigates. */
+static int has_wand(const struct gw_rank *rank) {
+    const gw_tracker_navigation *navigation = &rank->site.trackers.navigation;
+    return !rank->options.track && !rank->options.states &&
+           (navigation->forward >= 0 || navigation->turn >= 0 || navigation->reset >= 0);
+}
+
 gw_code gw_pilot_open(const struct gw_rank *rank, gw_pilot **out, gw_error *error) {
     gw_pilot *pilot = NULL;
     const gw_sim_options *options = &rank->options;
     *out = NULL;
-    if (!gw_sim_is_steered(options))
+    if (!gw_sim_is_steered(options) && !has_wand(rank))
         return GW_OK;
     gw_code code = gw_allocate((void **)&pilot, 1, sizeof *pilot, "pilot", error);
     if (code)
@@ -178,12 +186,21 @@ static gw_code take_off(gw_pilot *pilot, const gw_frame_state *state, gw_error *
     return code;
 }
 
+void gw_pilot_take_wand(gw_pilot *pilot, const gw_wand *wand) {
+    if (!pilot)
+        return;
+    if (wand->resets != pilot->wand.resets)
+        pilot->flying = 0;
+    pilot->wand = *wand;
+}
+
 gw_code gw_pilot_steer(gw_pilot *pilot, gw_frame_state *state, gw_error *error) {
     if (!pilot)
         return GW_OK;
     const double passed = pilot->last_time < 0 ? 0 : (double)(state->time - pilot->last_time) * 1e-9;
-    const gw_navigation_input input = gw_controls_take(&pilot->controls);
+    gw_navigation_input input = gw_controls_take(&pilot->controls);
     gw_code code = GW_OK;
+    gw_controls_add_wand(&input, &pilot->wand);
     pilot->last_time = state->time;
     if (!pilot->flying && gw_navigation_is_asked(&input))
         code = take_off(pilot, state, error);

@@ -1,6 +1,7 @@
-/* The pilot: whoever steers a run while it goes on, with mouse and keys at the window of the whole wall, or
- * by a file of recorded events (wall/input_script.h). The gaze follows the pointer, keys and mouse fly, and
- * all of it goes into the frame state, so that a recorded run is repeated to the same pictures.
+/* The pilot: whoever steers a run while it goes on, with mouse and keys at the window of the whole wall, by
+ * a file of recorded events (wall/input_script.h), or with a joystick that the site's trackers report. The
+ * gaze follows the pointer, keys and mouse fly, and all of it goes into the frame state, so that a recorded
+ * run is repeated to the same pictures.
  *
  * Rank 0, main thread. NULL stands for nobody: every call takes it and does nothing. */
 #ifndef GW_WALL_PILOT_H
@@ -8,6 +9,7 @@
 
 #include "base/status.h"
 #include "render/frame_state.h"
+#include "tracking/tracker.h"
 
 #include <stdint.h>
 
@@ -34,6 +36,8 @@ typedef enum gw_pilot_gaze {
 } gw_pilot_gaze;
 /* Whose gaze counts; target: mm of wall space, for POINTER. */
 gw_pilot_gaze gw_pilot_gaze_of(const gw_pilot *pilot, double target[3]);
+/* What the site's navigating device asks for; until it says otherwise. */
+void gw_pilot_take_wand(gw_pilot *pilot, const gw_wand *wand);
 /* Puts where the pilot has flown to into a state that has time, eye and gaze. */
 gw_code gw_pilot_steer(gw_pilot *pilot, gw_frame_state *state, gw_error *error);
 

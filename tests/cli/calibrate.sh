@@ -72,6 +72,7 @@ python3 "$root/tests/support/hold_sensor.py" "$folder/poses.txt" "$program" cali
     --seconds 0.1 >"$folder/got.txt" 2>"$folder/asked.txt"
 has "gazes at nine targets" "$(cat "$folder/got.txt" "$folder/asked.txt")" "at 9 targets
   on average 1.9"
+has "which rest" "$(cat "$folder/asked.txt")" "95 of 100 within 0.0"
 has "to the right" "$(cat "$folder/got.txt")" " degrees right and 0.0"
 
 expect "no file" 2 "name the marks with --points FILE" calibrate

@@ -32,9 +32,12 @@ static inline void gw_turn_back(const double q[4], double out[4]) {
     out[3] = q[3];
 }
 
-/* To length 1. Returns 0, and leaves q alone, if it has no length or one that is no number. */
+/* To length 1. Returns 0, and leaves q alone, if it has no length or one that is no number. One of length 1
+ * but for rounding keeps its bits: sent, recorded and read again it is the same. */
 static inline int gw_turn_normalise(double q[4]) {
-    const double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    const double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], length = sqrt(square);
+    if (fabs(square - 1) < 1e-15)
+        return 1;
     if (!(length > 1e-9 && length < 1e150))
         return 0;
     for (int i = 0; i < 4; i++)

@@ -63,7 +63,7 @@ static int make_unit(double *vector, int count) {
         largest = fmax(largest, fabs(vector[i]));
         length += vector[i] * vector[i];
     }
-    if (fabs(length - 1.0) < 1e-14)
+    if (fabs(length - 1.0) < 1e-15)
         return 1;
     if (!(largest > 1e-6)) /* an honest one has a component of at least 1/2 */
         return 0;

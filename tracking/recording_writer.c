@@ -291,14 +291,28 @@ gw_code gw_recording_writer_close(gw_recording_writer **at, gw_error *error) {
 }
 
 /* A file that is there stays, unless it is to be overwritten; devices and pipes are written to. */
-static gw_code open_file(gw_recording_writer *writer, int overwrite, gw_error *error) {
+static gw_code check_there(const char *path, int overwrite, int *there, gw_error *error) {
     struct stat about;
-    const char *path = writer->path;
-    const int there = stat(path, &about) == 0;
-    if (there && S_ISREG(about.st_mode) && !overwrite)
+    *there = stat(path, &about) == 0;
+    if (*there && S_ISREG(about.st_mode) && !overwrite)
         return gw_fail(error, GW_BAD_INPUT,
                        "%s: there is such a file already; --overwrite replaces it, another name keeps it",
                        path);
+    return GW_OK;
+}
+
+gw_code gw_recording_writer_check(const char *path, int overwrite, gw_error *error) {
+    int there;
+    gw_code code = check_there(path, overwrite, &there, error);
+    return code != GW_OK ? code : gw_file_writable(path, error);
+}
+
+static gw_code open_file(gw_recording_writer *writer, int overwrite, gw_error *error) {
+    const char *path = writer->path;
+    int there;
+    gw_code code = check_there(path, overwrite, &there, error);
+    if (code != GW_OK)
+        return code;
     int descriptor =
         open(path, O_WRONLY | O_CREAT | O_CLOEXEC | (overwrite || there ? O_TRUNC : O_EXCL), 0666);
     if (descriptor < 0)

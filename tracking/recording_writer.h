@@ -17,6 +17,9 @@ typedef enum gw_recording_form {
     GW_RECORDING_AS_CSV   /* whatever the name; gzipped for .gz */
 } gw_recording_form;
 
+/* Whether such a file could be made now, as far as can be told: a user hears that before long work. */
+gw_code gw_recording_writer_check(const char *path, int overwrite, gw_error *error);
+
 /* start: ns since 1970 of arrival 0. GW_BAD_INPUT when a file is there and is not to be overwritten,
  * GW_NO_OUTPUT when it cannot be made. */
 gw_code gw_recording_writer_open(const char *path, gw_recording_form form, int64_t start, int overwrite,

@@ -48,6 +48,10 @@ void gw_interrupt_release(void) {
         leave(atomic_load(&pending));
 }
 
+int gw_interrupt_pending(void) {
+    return atomic_load(&pending);
+}
+
 void gw_interrupt_unlink(const char *path) {
     atomic_store(&has_path, 0);
     if (!path)

@@ -10,9 +10,12 @@
 
 void gw_interrupt_install(void);
 
-/* Defers signals that come between the two calls to the outermost release. */
+/* Defers signals that come between the two calls to the outermost release. Without a release they only wait:
+ * for work that ends itself in good order. */
 void gw_interrupt_hold(void);
 void gw_interrupt_release(void);
+/* The signal that waits for the release; 0: none. */
+int gw_interrupt_pending(void);
 
 /* The path of a file that must not outlive this process ("/dev/shm/gazewall-..."); NULL: none any more.
  * Copied. */

@@ -1,15 +1,20 @@
 /* `gazewall record SOURCE... TRACK`: live trackers, or people made by formula, into a file. Main thread. */
 #include "tracking/generator.h"
 #include "tracking/recording_writer.h"
+#include "tracking/setup.h"
 #include "wall/console.h"
+#include "wall/interrupt.h"
 #include "wall/options.h"
+#include "wall/record_live.h"
 #include "wall/verbs.h"
 
 #include <errno.h>
+#include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-enum { SOURCES = 4, WORDS = SOURCES + 1 };
+enum { SOURCES = GW_TRACKER_SOURCES, WORDS = SOURCES + 1 };
 
 typedef struct record_options {
     gw_error *error;
@@ -17,14 +22,30 @@ typedef struct record_options {
     int count;
     double seconds; /* 0: until it is ended */
     int64_t seed;   /* -1: not said */
-    int overwrite, quiet;
+    const char *bind;
+    uint64_t gaze_sensors; /* bits */
+    int overwrite, quiet, consent_gaze;
     gw_log_level level;
 } record_options;
 
-enum { KEY_SECONDS = 0x2000, KEY_SEED, KEY_OVERWRITE, KEY_QUIET, KEY_LOG };
+enum {
+    KEY_SECONDS = 0x2000,
+    KEY_CONSENT,
+    KEY_GAZE_SENSORS,
+    KEY_BIND,
+    KEY_SEED,
+    KEY_OVERWRITE,
+    KEY_QUIET,
+    KEY_LOG
+};
 
 static const struct argp_option option_table[] = {
-    {"seconds", KEY_SECONDS, "S", 0, "How long (default: generate: 10)", 0},
+    {"seconds", KEY_SECONDS, "S", 0, "How long (default: until Ctrl-C; generate: 10)", 0},
+    {"consent-gaze", KEY_CONSENT, NULL, 0,
+     "Record gazes too: who is looking has agreed to it. Without it nothing of them is written", 0},
+    {"gaze-sensors", KEY_GAZE_SENSORS, "LIST", 0,
+     "Sensors whose poses are gazes (default 1,3,5,7, as docs/tracks.md has it), or none", 0},
+    {"bind", KEY_BIND, "ADDRESS", 0, "Numeric address of the interface to listen on (default: all)", 0},
     {"seed", KEY_SEED, "N", 0, "generate: another person, another day (default 1)", 0},
     {"overwrite", KEY_OVERWRITE, NULL, 0, "Replace a file that is there", 0},
     {"quiet", KEY_QUIET, NULL, 0, "Errors only", 0},
@@ -42,21 +63,48 @@ static error_t take_word(const char *word, record_options *options) {
     return EINVAL;
 }
 
+/* Numbers of sensors 0 to 63 with commas between. */
+static gw_code parse_sensors(const char *text, record_options *options) {
+    const char *at = text;
+    options->gaze_sensors = 0;
+    if (strcmp(text, "none") == 0)
+        return GW_OK;
+    for (;; at++) {
+        char *end;
+        const long sensor = strtol(at, &end, 10);
+        if (*at < '0' || *at > '9' || sensor > 63 || (*end != ',' && *end != '\0'))
+            return gw_fail(options->error, GW_BAD_INPUT,
+                           "--gaze-sensors '%s': numbers of sensors, 0 to 63, with commas between, or none",
+                           text);
+        options->gaze_sensors |= (uint64_t)1 << sensor;
+        at = end;
+        if (*end == '\0')
+            return GW_OK;
+    }
+}
+
 static int is_generated(const char *source) {
     return strncmp(source, "generate:", 9) == 0;
 }
 
 static error_t check_options(const record_options *options) {
     gw_error *error = options->error;
+    const char *first = options->words[0];
+    const int generated = options->count > 0 && is_generated(first);
+    for (int i = 1; i + 1 < options->count; i++)
+        if (generated || is_generated(options->words[i])) {
+            gw_fail(error, GW_BAD_INPUT, "generate: stands alone: no other source is recorded with it");
+            return EINVAL;
+        }
     if (options->count < 2)
         gw_fail(error, GW_BAD_INPUT,
-                "name a source and the track to write: gazewall record "
-                "generate:standing head.vrpn.gz");
-    else if (options->count > 2 && is_generated(options->words[0]))
-        gw_fail(error, GW_BAD_INPUT, "%s stands alone: no other source is recorded with it",
-                options->words[0]);
-    else if (options->seed >= 0 && !is_generated(options->words[0]))
-        gw_fail(error, GW_BAD_INPUT, "--seed has no effect on %s", options->words[0]);
+                "name a source and the track to write: gazewall record Tracker0@host "
+                "head.vrpn.gz");
+    else if (options->seed >= 0 && !generated)
+        gw_fail(error, GW_BAD_INPUT, "--seed has no effect on %s", first);
+    else if (generated && (options->consent_gaze || options->bind != NULL))
+        gw_fail(error, GW_BAD_INPUT, "--consent-gaze and --bind have no effect on %s: nobody is recorded",
+                first);
     else
         return 0;
     return EINVAL;
@@ -71,6 +119,14 @@ static error_t parse_option(int key, char *value, struct argp_state *state) {
                                                                                                    : 0;
     case KEY_SEED:
         return gw_parse_integer("--seed", value, 0, INT64_MAX, &options->seed, error) ? EINVAL : 0;
+    case KEY_CONSENT:
+        options->consent_gaze = 1;
+        return 0;
+    case KEY_GAZE_SENSORS:
+        return parse_sensors(value, options) ? EINVAL : 0;
+    case KEY_BIND:
+        options->bind = value;
+        return 0;
     case KEY_OVERWRITE:
         options->overwrite = 1;
         return 0;
@@ -136,14 +192,36 @@ static gw_code generate(const record_options *options, gw_error *error) {
     return code;
 }
 
+static gw_code record(const record_options *options, const gw_log *log, int *interrupted, gw_error *error) {
+    gw_record_wishes wishes = {.source_count = options->count - 1,
+                               .track = options->words[options->count - 1],
+                               .bind = options->bind,
+                               .seconds = options->seconds,
+                               .consent_gaze = options->consent_gaze,
+                               .gaze_sensors = options->gaze_sensors,
+                               .overwrite = options->overwrite,
+                               .quiet = options->quiet,
+                               .log = log};
+    for (int i = 0; i < wishes.source_count; i++)
+        wishes.sources[i] = options->words[i];
+    return gw_record_live(&wishes, interrupted, error);
+}
+
 int gw_verb_record(int argc, char **argv) {
     gw_error error = {0};
-    record_options options = {.error = &error, .level = GW_LOG_WARNING, .seed = -1};
-    int helped = 0;
+    record_options options = {.error = &error, .level = GW_LOG_WARNING, .seed = -1, .gaze_sensors = 0xaa};
+    int helped = 0, interrupted = 0;
     if (gw_arguments_parse(&record_argp, argc, argv, &options, &helped, &error) != GW_OK)
         return gw_console_fail("record", &error);
     if (helped)
         return GW_OK;
-    gw_code code = generate(&options, &error);
-    return code == GW_OK ? GW_OK : gw_console_fail("record", &error);
+    gw_console console;
+    gw_console_init(&console, "record", options.level, options.quiet);
+    gw_code code = is_generated(options.words[0]) ? generate(&options, &error)
+                                                  : record(&options, &console.log, &interrupted, &error);
+    gw_console_finish(&console);
+    if (code != GW_OK)
+        return gw_console_fail("record", &error);
+    /* Ctrl-C is how a recording ends; other signals are somebody else's haste. */
+    return interrupted == 0 || interrupted == SIGINT ? GW_OK : 128 + interrupted;
 }

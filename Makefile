@@ -69,10 +69,11 @@ endif
 FLAGS_release := -O2 -g
 FLAGS_debug   := -Og -g3
 FLAGS_asan    := -O1 -g -fsanitize=address,undefined -fno-omit-frame-pointer
+FLAGS_fuzz    := -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-omit-frame-pointer
 ifndef FLAGS_$(FLAVOUR)
 $(error FLAVOUR=$(FLAVOUR) is unknown: it is release, debug or asan)
 endif
-ifeq ($(FLAVOUR),asan)
+ifneq ($(filter asan fuzz,$(FLAVOUR)),)
 LINK_FLAVOUR := -fsanitize=address,undefined
 endif
 
@@ -105,13 +106,15 @@ TOOLS        := $(TOOL_SOURCES:%.c=$(TREE)/%)
 TEST_SUPPORT := $(patsubst %.c,$(TREE)/%.o,$(wildcard tests/support/*.c)) $(TOOL_PARTS)
 SUPPORT      := $(TREE)/libsupport.a
 TEST_PROGRAMS := $(TEST_SOURCES:%.c=$(TREE)/%)
+FUZZ_SOURCES  := $(wildcard tests/fuzz/fuzz_$(or $(ONLY),*).c)
+FUZZ_PROGRAMS := $(FUZZ_SOURCES:%.c=$(TREE)/%)
 
 ALL_OBJECTS := $(OBJECTS) $(TREE)/wall/main.o $(TEST_SUPPORT) $(TEST_SOURCES:%.c=$(TREE)/%.o) \
-	$(TREE)/shaders/assemble.o $(TREE)/docs/write_settings.o $(TOOLS:%=%.o)
+	$(TREE)/shaders/assemble.o $(TREE)/docs/write_settings.o $(TOOLS:%=%.o) $(FUZZ_PROGRAMS:%=%.o)
 
 # --- targets ---------------------------------------------------------------------------------------------------------
 
-.PHONY: all setup demo tests test hard soak tools lint format docs tracks demo-track moving-scene install clean help
+.PHONY: all setup demo tests test hard soak fuzz fuzz-programs tools lint format docs tracks demo-track moving-scene install clean help
 
 all: $(PROGRAMS) $(ARCHIVE) $(if $(PROGRAMS),$(OUT)/gazewall)
 
@@ -121,6 +124,7 @@ help:
 	@echo "make test        install what is missing, build, run every test; ONLY=name picks some"
 	@echo "make hard        only the tests of tests/hard"
 	@echo "make soak        200,000 frames through the gate at 35 tiles: nothing may grow (SOAK_FRAMES=n)"
+	@echo "make fuzz        each decoder on made-up input for a minute (clang; FUZZ_SECONDS=n, ONLY=dtrack picks one)"
 	@echo "make tests       build the tests without running them"
 	@echo "make tools       build the tools of tests/tools: scene converter, demo track"
 	@echo "make lint        layout, static analysis, house rules, shaders; changes nothing"
@@ -154,6 +158,14 @@ hard: all $(filter $(TREE)/tests/hard/%,$(TEST_PROGRAMS))
 SOAK_FRAMES ?= 200000
 soak: all
 	$(quiet)GAZEWALL='$(PROGRAM)' GW_SOAK_FRAMES='$(SOAK_FRAMES)' tests/mpi/gate_soak.sh
+
+# What is fuzzed is built apart, by clang: the fuzzer wants to see which branches are taken.
+FUZZ_SECONDS ?= 60
+fuzz:
+	$(quiet)$(MAKE) --no-print-directory FLAVOUR=fuzz CC=clang ONLY='$(ONLY)' fuzz-programs
+	$(quiet)tests/fuzz/run.sh '$(OUT)/fuzz/tests/fuzz' '$(FUZZ_SECONDS)' '$(ONLY)'
+
+fuzz-programs: $(FUZZ_PROGRAMS)
 
 lint: $(TREE)/assemble
 	$(quiet)CC='$(CC)' FLAGS='$(BASE_FLAGS) $(LIBRARY_CFLAGS)' tests/lint.sh $(TREE)/assemble
@@ -256,6 +268,10 @@ $(TOOLS): $(TREE)/tests/tools/%: $(TREE)/tests/tools/%.o $(TOOL_PARTS) $(ARCHIVE
 
 $(SUPPORT): $(TEST_SUPPORT) $(TREE)/support
 	$(quiet)rm -f $@ && $(AR) rcs $@ $(TEST_SUPPORT)
+
+$(TREE)/tests/fuzz/%: $(TREE)/tests/fuzz/%.o $(ARCHIVE)
+	$(say) LINK $@
+	$(quiet)$(CC) $(LINK_FLAVOUR) -fsanitize=fuzzer $(LDFLAGS) -o $@ $^ $(LIBRARIES)
 
 $(TREE)/tests/%: $(TREE)/tests/%.o $(SUPPORT) $(ARCHIVE)
 	$(say) LINK $@

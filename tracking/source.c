@@ -27,8 +27,12 @@ void gw_source_emit(gw_source *source, const gw_tracking_event *event) {
     }
     if (event->kind != GW_EVENT_LINK && !source->status.first_event)
         source->status.first_event = event->arrival;
+    gw_tracking_event sent = *event;
+    if (sent.arrival < source->last_arrival) /* stamps of the kernel's other clock are true to microseconds */
+        sent.arrival = source->last_arrival;
+    source->last_arrival = sent.arrival;
     if (source->sink)
-        source->sink(source->sink_context, event);
+        source->sink(source->sink_context, &sent);
 }
 
 void gw_source_emit_link(gw_source *source, int up, int64_t arrival) {

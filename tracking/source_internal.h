@@ -24,7 +24,8 @@ struct gw_source {
     gw_source_counters counters;
     gw_source_status status;
     gw_sensor_newest newest[GW_SOURCE_SENSORS];
-    gw_event_sink sink; /* while it is polled */
+    int64_t last_arrival; /* of what was sent on: arrivals of a source never fall */
+    gw_event_sink sink;   /* while it is polled */
     void *sink_context;
     void (*poll)(gw_source *source, int64_t now);
     int (*descriptors)(const gw_source *source, int *descriptors, int room);   /* NULL: none */

@@ -1,5 +1,4 @@
-/* libFuzzer: clang -fsanitize=fuzzer,address -D_GNU_SOURCE -ffp-contract=off -I.
- * tests/fuzz/fuzz_vrpn_message.c tracking/x.c base/x.c ... */
+/* libFuzzer: make fuzz ONLY=vrpn_message */
 #include "tests/fuzz/vrpn_message_entry.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);

@@ -4,6 +4,7 @@
 #include "tracking/big_endian.h"
 #include "tracking/recording_builder.h"
 #include "tracking/recording_format.h"
+#include "tracking/vrpn_message.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -49,16 +50,10 @@ static int is_cookie(const uint8_t *bytes, size_t size) {
     return major >= MAJOR_OLDEST && major <= MAJOR_NEWEST;
 }
 
-/* The name in a description, or NULL when it is not one: int32 length with the closing zero, then the name.
- */
+/* The name in a description, or NULL when it is not one. */
 static const char *described_name(const record *r) {
-    if (r->sender < 0 || r->sender >= GW_LOG_IDS || r->size < 5)
-        return NULL;
-    int32_t length = gw_get_int32(r->payload);
-    if (length < 2 || length > GW_SENDER_NAME || (size_t)length > r->size - 4)
-        return NULL;
-    const char *name = (const char *)r->payload + 4;
-    return strnlen(name, (size_t)length) == (size_t)length - 1 ? name : NULL;
+    _Static_assert((int)GW_SENDER_NAME == (int)GW_VRPN_NAME, "a file's names are those of the wire");
+    return r->sender < 0 || r->sender >= GW_LOG_IDS ? NULL : gw_vrpn_name_read(r->payload, r->size);
 }
 
 static gw_log_type type_named(const char *name) {

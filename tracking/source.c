@@ -195,6 +195,11 @@ static int form_of(const char *spec, const char **rest) {
     return strchr(spec, '@') ? VRPN : FORMS;
 }
 
+int gw_source_is(const char *spec) {
+    const char *rest;
+    return form_of(spec, &rest) != FORMS;
+}
+
 static void nothing_polled(gw_source *source, int64_t now) {
     (void)source;
     (void)now;

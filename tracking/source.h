@@ -77,6 +77,8 @@ typedef struct gw_source gw_source;
  * GW_BAD_INPUT names a form that is wrong; GW_MACHINE what the network refused (port in use). That a peer
  * cannot be reached now is no error: it is sought every second. */
 gw_code gw_source_open(const char *spec, const gw_source_options *options, gw_source **out, gw_error *error);
+/* 1 when a spec has one of these forms, right or wrong in the rest. */
+int gw_source_is(const char *spec);
 void gw_source_close(gw_source **source);
 
 /* Takes what has come by `now` (ns, gw_now_ns clock), calling the sink for each event in order of arrival.

@@ -3,6 +3,7 @@
 #include "base/file.h"
 #include "base/memory.h"
 #include "tracking/player.h"
+#include "tracking/source.h"
 #include "wall/report.h"
 #include "wall/tracked_live.h"
 
@@ -21,13 +22,7 @@ struct gw_tracked {
 
 /* 1 when the text names a source of live events and no file of that name is there. */
 static int is_source(const char *track) {
-    static const char *const prefixes[] = {"vrpn:", "vrpn+udp:", "dtrack:", "gaze:", "path:"};
-    if (gw_file_exists(track))
-        return 0;
-    for (size_t i = 0; i < sizeof prefixes / sizeof *prefixes; i++)
-        if (!strncmp(track, prefixes[i], strlen(prefixes[i])))
-            return 1;
-    return strchr(track, '@') || !strcmp(track, "mouse") || !strcmp(track, "null");
+    return !gw_file_exists(track) && gw_source_is(track);
 }
 
 /* --- opening */

@@ -138,6 +138,23 @@ is "killed: the report knows it" "$(json killed.json '["tiles"][2]["state"]') $(
 is "killed: the report is whole" "$(json killed.json '["ended"]')" interrupted
 nothing_is_left "killed"
 
+# --- live: a killed rank of another host is started again there, over the network and from its own cache
+start again --live --frame-deadline 5 --death-deadline 60
+on_host wall3 pkill -KILL -f "gazewall rank"
+wait_for_line again.log "tile c2r0 keeps up again"
+rows again 4
+has "again: on its own host" "$(cat again.log)" "tile c2r0 is started again on wall3"
+on_host wall3 sh -c "cat /proc/[0-9]*/cmdline" 2>/dev/null | tr '\0' '\n' >command
+is "again: rank 0's door is on the wall's network" "$(grep -c -- '--rejoin=2:1:10.77.0.1:' command)" 1
+is "again: the secret stands in no command line" \
+    "$(cat /proc/[0-9]*/cmdline command 2>/dev/null | grep -c -f <(tr '\0' '\n' <"/proc/$(pgrep -o -f 'gazewall rank')/environ" |
+        sed -n 's/^GAZEWALL_SECRET=//p'))" 0
+kill -INT "$(pgrep -P $launcher -f gazewall)"
+wait $launcher
+is "again: exit code" $? 130
+is "again: the report knows it" "$(json again.json '["tiles"][2]["returned"]') $(json again.json '["tiles"][2]["state"]')" "1 live"
+nothing_is_left "again"
+
 # --- a cut link
 start cut --death-deadline 2
 ip link set wall3 down

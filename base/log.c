@@ -26,7 +26,7 @@ void gw_log_write(const gw_log *log, gw_log_level level, const char *format, ...
 
 void gw_log_progress(const gw_log *log, const char *what, double fraction) {
     if (log && log->progress) {
-        log->progress(log->context, what, fraction < 0 ? 0 : fraction > 1 ? 1 : fraction);
+        log->progress(log->context, what, fraction < 0 ? -1 : fraction > 1 ? 1 : fraction);
     }
 }
 

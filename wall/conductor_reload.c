@@ -21,7 +21,12 @@ gw_code gw_conductor_reload(gw_conductor *conductor, struct gw_rank *rank, uint3
     static gw_site site;
     static gw_site_changes changes;
     gw_error wrong = {0};
-    if (!gw_site_watch_changed(&conductor->watch, gw_now_ns()))
+    const gw_site_news news = gw_site_watch_look(&conductor->watch, gw_now_ns());
+    if (news == GW_SITE_GONE)
+        gw_log_write(&rank->line.log, GW_LOG_WARNING,
+                     "%s: there is no such file any more; the wall goes on as it was",
+                     rank->options.wall.site);
+    if (news != GW_SITE_CHANGED)
         return GW_OK;
     gw_code code = gw_wall_site(&rank->options.wall, &site, &wrong);
     if (!code)

@@ -28,6 +28,19 @@ void gw_conductor_status(const gw_conductor *conductor, const struct gw_rank *ra
     if (conductor->seen.places && length < ROOM)
         length +=
             snprintf(text + length, (size_t)(ROOM - length), ", error %.1f times", conductor->seen.worst);
-    if (conductor->lost_count && length < ROOM)
-        snprintf(text + length, (size_t)(ROOM - length), ", %" PRIu32 " lost", conductor->lost_count);
+    uint32_t late = 0, lost = 0, returned = 0;
+    for (uint32_t i = 1; i < rank->site.layout.tile_count; i++) {
+        const gw_gate_tile *tile = gw_gate_tile_of(conductor->gate, i);
+        late += tile->state == GW_TILE_LATE;
+        lost += tile->state == GW_TILE_LOST;
+        returned += tile->state != GW_TILE_LOST && tile->lost > 0;
+    }
+    const struct {
+        uint32_t count;
+        const char *what;
+    } tiles[] = {{late, "late"}, {lost, "lost"}, {returned, "back again"}};
+    for (size_t i = 0; i < sizeof tiles / sizeof tiles[0]; i++)
+        if (tiles[i].count && length < ROOM)
+            length += snprintf(text + length, (size_t)(ROOM - length), ", %" PRIu32 " %s", tiles[i].count,
+                               tiles[i].what);
 }

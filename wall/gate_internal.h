@@ -23,6 +23,7 @@ typedef struct gw_gate_member {
     int64_t heard;       /* ns, when something last came from it */
     int64_t silence;     /* ns, that it has announced */
     int64_t looked;      /* ns, when its process was looked at */
+    int64_t allowed;     /* ns from then on: an answer within them is in time */
     uint32_t kept_up;    /* frames in a row, since it was late */
     uint32_t probation;  /* frames in a row that make it live again */
     int pong_due;
@@ -44,6 +45,7 @@ struct gw_gate {
     void *died_context;
     int live;
     int64_t silence, looked, nap;
+    int64_t frame; /* ns, of the patience with the last frame */
     uint32_t next; /* number of the next frame */
     gw_site *site; /* the one that holds, once it is not the one of the start any more */
     uint32_t site_epoch;

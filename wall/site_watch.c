@@ -2,7 +2,8 @@
 
 #include <string.h>
 
-static const int64_t quiet = 50 * INT64_C(1000000); /* ns without a change, before the file is read */
+static const int64_t quiet = 50 * INT64_C(1000000);    /* ns without a change, before the file is read */
+static const int64_t absent = 2 * INT64_C(1000000000); /* ns without a file, before that is told */
 
 static int alike(const struct stat *a, const struct stat *b) {
     return a->st_ino == b->st_ino && a->st_dev == b->st_dev && a->st_size == b->st_size &&
@@ -16,21 +17,34 @@ void gw_site_watch_begin(gw_site_watch *watch, const char *path) {
         watch->path = path;
 }
 
-int gw_site_watch_changed(gw_site_watch *watch, int64_t now) {
+static gw_site_news miss(gw_site_watch *watch, int64_t now) {
+    watch->since = 0;
+    watch->gone = watch->gone ? watch->gone : now;
+    if (watch->told_gone || now - watch->gone < absent)
+        return GW_SITE_AS_IT_WAS;
+    watch->told_gone = 1;
+    return GW_SITE_GONE;
+}
+
+gw_site_news gw_site_watch_look(gw_site_watch *watch, int64_t now) {
     struct stat seen;
-    /* A file that is gone for a moment is being replaced. */
-    if (!watch->path || stat(watch->path, &seen) || alike(&seen, &watch->taken)) {
+    if (!watch->path)
+        return GW_SITE_AS_IT_WAS;
+    if (stat(watch->path, &seen))
+        return miss(watch, now);
+    watch->gone = watch->told_gone = 0;
+    if (alike(&seen, &watch->taken)) {
         watch->since = 0;
-        return 0;
+        return GW_SITE_AS_IT_WAS;
     }
     if (!watch->since || !alike(&seen, &watch->candidate)) {
         watch->candidate = seen;
         watch->since = now;
-        return 0;
+        return GW_SITE_AS_IT_WAS;
     }
     if (now - watch->since < quiet)
-        return 0;
+        return GW_SITE_AS_IT_WAS;
     watch->taken = seen;
     watch->since = 0;
-    return 1;
+    return GW_SITE_CHANGED;
 }

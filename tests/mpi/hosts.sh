@@ -144,10 +144,10 @@ on_host wall3 pkill -KILL -f "gazewall rank"
 wait_for_line again.log "tile c2r0 keeps up again"
 rows again 4
 has "again: on its own host" "$(cat again.log)" "tile c2r0 is started again on wall3"
-on_host wall3 sh -c "cat /proc/[0-9]*/cmdline" 2>/dev/null | tr '\0' '\n' >command
-is "again: rank 0's door is on the wall's network" "$(grep -c -- '--rejoin=2:1:10.77.0.1:' command)" 1
+on_host wall3 sh -c "cat /proc/[0-9]*/cmdline" 2>/dev/null | tr '\0' '\n' >words
+is "again: rank 0's door is on the wall's network" "$(grep -c -- '--rejoin=2:1:10.77.0.1:' words)" 1
 is "again: the secret stands in no command line" \
-    "$(cat /proc/[0-9]*/cmdline command 2>/dev/null | grep -c -f <(tr '\0' '\n' <"/proc/$(pgrep -o -f 'gazewall rank')/environ" |
+    "$(cat /proc/[0-9]*/cmdline words 2>/dev/null | grep -c -f <(tr '\0' '\n' <"/proc/$(pgrep -o -f 'gazewall rank')/environ" |
         sed -n 's/^GAZEWALL_SECRET=//p'))" 0
 kill -INT "$(pgrep -P $launcher -f gazewall)"
 wait $launcher

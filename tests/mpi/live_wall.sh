@@ -13,10 +13,10 @@ pid_of() { # LOG RANK
     sed -n "s/.*rank $2 (tile [^)]*) is process \([0-9]*\)\$/\1/p" "$1"
 }
 
-# wait_for_text FILE TEXT: at most 60 s
+# wait_for_text FILE TEXT [COUNT]: so many lines; at most 60 s
 wait_for_text() {
     for _ in $(seq 1200); do
-        grep -qF -- "$2" "$1" 2>/dev/null && return
+        [ "$(grep -cF -- "$2" "$1" 2>/dev/null)" -ge "${3:-1}" ] && return
         sleep 0.05
     done
     echo "# '$2' did not come in $1"
@@ -26,14 +26,28 @@ tile() { # REPORT NUMBER KEY
     json "$1" "['tiles'][$2]['$3']"
 }
 
-# survivors NAME REPORT NUMBER...: those tiles showed the wall's frames; a loaded machine may make one late now and then.
+# survivors REPORT NUMBER...: how many of those tiles lost more than one frame in twenty
 survivors() {
-    local name=$1 report=$2 which shown
-    shift 2
+    local report=$1 which behind=0
+    shift
     for which in "$@"; do
-        shown=$(tile "$report" "$which" presented)
-        is "$name: tile $which goes on ($shown of $frames frames)" \
-            "$(tile "$report" "$which" lost) $((shown * 2 >= frames))" "0 1"
+        [ "$(tile "$report" "$which" lost)" -eq 0 ] && [ $(($(tile "$report" "$which" presented) * 20)) -ge $((frames * 19)) ] ||
+            behind=$((behind + 1))
+    done
+    echo $behind
+}
+
+# A machine that others load makes any tile late now and then, and no gate can mend that: such a run counts for nothing
+# and is repeated, at most twice. A gate that lets the survivors wait would fail each time.
+until_undisturbed() { # FUNCTION REPORT NUMBER...
+    local run=$1 attempt
+    shift
+    for attempt in 1 2 3; do
+        stopped=1
+        $run
+        behind=$(($(survivors "$@") + (stopped == 0)))
+        [ "$behind" -eq 0 ] && break
+        echo "# run $attempt counts for nothing: $behind tiles were late before they should be"
     done
 }
 
@@ -44,16 +58,23 @@ is "lock-step: every tile showed every frame" "$(json calm.json "['tiles'].__len
 is "lock-step: swap skew is measured for every frame" "$(json calm.json '["swap_skew_ms"]["frames"]')" $frames
 
 # --- live: one is killed, one stopped and continued, one slow
-timeout 300 "$program" "${wall[@]}" --frames $frames --out live --report live.json "${alone[@]}" --frame-deadline 0.1 \
-    --death-deadline 30 --tile-fault kill:1@10 --tile-fault stop:2@15 --tile-fault slow:4@5 >live.out 2>live.log &
-launcher=$!
-wait_for_text live.log "tile c2r0 (rank 2) is late"
-sleep 0.3
-kill -CONT "$(pid_of live.log 2)"
-wait $launcher
-is "live: exit code" $? 1
+live() {
+    rm -rf live live.json
+    timeout 300 "$program" "${wall[@]}" --frames $frames --out live --report live.json "${alone[@]}" --frame-deadline 0.1 \
+        --death-deadline 30 --tile-fault kill:1@10 --tile-fault stop:2@15 --tile-fault slow:4@5 >live.out 2>live.log &
+    launcher=$!
+    # One that was late before is not there for the frame in which it would have been stopped.
+    until grep -q "tile c2r0 (rank 2) is late since frame" live.log || ! kill -0 $launcher 2>/dev/null; do sleep 0.05; done
+    stopped=$(grep -c "tile c2r0 (rank 2) is late since frame 15: its process is stopped" live.log)
+    sleep 0.3
+    kill -CONT "$(pid_of live.log 2)"
+    wait $launcher
+    code=$?
+}
+until_undisturbed live live.json 0 3 5
+is "live: exit code" "$code" 1
 is "live: all frames were drawn" "$(json live.json '["frames"]')" $frames
-survivors "live" live.json 0 3 5
+is "live: the others show 95 % of the frames" "$behind" 0
 is "killed: state" "$(tile live.json 1 state) $(tile live.json 1 lost)" "lost 1"
 has "killed: it is named for what it is" "$(tile live.json 1 fault)" "process"
 has "killed: the log names it" "$(cat live.log)" "tile c1r0 (rank 1) is lost since frame"
@@ -76,15 +97,34 @@ is "live: incomplete walls say so" "$(find live -name 'wall-[0-9]*-incomplete.pn
     "$(tail -n +2 live/frames.csv | awk -F, '$(NF - 2) + $(NF - 1) + $NF > 0' | wc -l)"
 
 # --- live: one hangs, one loses its context, one is stopped for good
-timeout 300 "$program" "${wall[@]}" --frames $frames --report faults.json "${alone[@]}" --frame-deadline 0.5 --death-deadline 1 \
-    --tile-fault hang:2@20 --tile-fault context:3@25 --tile-fault stop:5@30 >faults.out 2>faults.log
-is "faults: exit code" $? 1
+faults() {
+    timeout 300 "$program" "${wall[@]}" --frames $frames --report faults.json "${alone[@]}" --frame-deadline 0.5 --death-deadline 1 \
+        --tile-fault hang:2@20 --tile-fault context:3@25 --tile-fault stop:5@30 >faults.out 2>faults.log
+    code=$?
+}
+until_undisturbed faults faults.json 0 1 4
+is "faults: exit code" "$code" 1
 is "faults: all frames were drawn" "$(json faults.json '["frames"]')" $frames
-survivors "faults" faults.json 0 1 4
+is "faults: the others show 95 % of the frames" "$behind" 0
 has "hanging: it is named for what it is" "$(tile faults.json 2 fault)" "it hangs"
 has "context: it is named for what it is" "$(tile faults.json 3 fault)" "the GL context was lost"
 has "stopped: it is named for what it is" "$(tile faults.json 5 fault)" "its process is stopped"
 is "faults: no process is left" "$(pgrep -f -- "--report faults.json" | wc -l)" 0
+
+# --- a tile that was late and is as fast as the others is soon waited for again, also the fifth time
+timeout 300 "$program" sim --tiles 4x1 --gate-only --live --restarts 0 --frames 1000000 --frame-deadline 0.5 --death-deadline 120 \
+    --report often.json --log debug >often.out 2>often.log &
+launcher=$!
+wait_for_text often.log "frame "
+for turn in 1 2 3 4 5; do
+    kill -STOP "$(pid_of often.log 2)"
+    wait_for_text often.log "tile c2r0 (rank 2) is late" $turn
+    kill -CONT "$(pid_of often.log 2)"
+    wait_for_text often.log "tile c2r0 keeps up again" $turn
+done
+kill -INT $launcher
+wait $launcher
+is "often late: it keeps up again each time" "$(grep -c "tile c2r0 keeps up again" often.log) $(tile often.json 2 state)" "5 live"
 
 # --- options that contradict each other
 expect "a frame deadline without --live" 2 "--frame-deadline goes with --live" sim --scene sheet.obj --frame-deadline 1

@@ -25,6 +25,10 @@ wait_for() {
 
 rows() { # NAME COUNT: until so many frames more are drawn
     local wanted
+    for _ in $(seq 1200); do
+        [ -s "$1/frames.csv" ] && break
+        sleep 0.05
+    done
     wanted=$(($(wc -l <"$1/frames.csv") + $2))
     for _ in $(seq 1200); do
         [ "$(wc -l <"$1/frames.csv")" -ge $wanted ] && return
@@ -99,6 +103,49 @@ is "what all tiles show is what they show undisturbed ($shown pictures)" "$diffe
 last=$(find calm -name 'wall-[0-9]*.png' | sort | tail -1)
 same_file "the last frame is whole" "back/$(basename "$last")" "$last"
 exists "and says so" "back/tile-c1r0-$(basename "$last" | sed 's/wall-//')"
+
+# --- the site changes while one tile is stopped and another is not there: both have it before they show anything again
+site() { # SHIFT: three tiles of 800 x 600 mm, that many mm lower
+    local tile left top=$((300 - $1)) bottom=$((-300 - $1))
+    printf 'version: 1\neye: [0, 0, 2000]\ntiles:\n'
+    for tile in 0 1 2; do
+        left=$((tile * 800))
+        printf '  - name: t%d\n    pixels: [160, 120]\n    place: [%d, 0]\n' $tile $((tile * 160))
+        printf '    corners: [[%d, %d, 0], [%d, %d, 0], [%d, %d, 0]]\n' $left $top $((left + 800)) $top $left $bottom
+    done
+}
+site 0 >wall.yaml
+timeout 300 "$program" sim --site wall.yaml --pattern grid --live --frames 1000000 --frame-deadline 1 --death-deadline 100 \
+    --log debug --out moved --report "moved-$$.json" >moved.out 2>moved.log &
+launcher=$!
+wait_for moved.log "tiles that are started again come in at"
+rows moved 5
+kill -STOP "$(pid_of moved.log 1)"
+rows moved 3
+again=$(grep -c "tile t1 keeps up again" moved.log)
+site 137 >wall.new
+mv wall.new wall.yaml
+kill -KILL "$(pid_of moved.log 2)"
+wait_for moved.log "on: tile 't2': corners moved"
+kill -CONT "$(pid_of moved.log 1)"
+wait_for moved.log "tile t1 keeps up again" $((again + 1))
+wait_for moved.log "tile t2 (rank 2) takes part again"
+wait_for moved.log "tile t2 keeps up again" $(($(grep -c "tile t2 (rank 2) is late" moved.log) + 1))
+rm wall.yaml
+wait_for moved.log "wall.yaml: there is no such file any more; the wall goes on as it was"
+kill -INT $launcher
+wait $launcher
+site 137 >still.yaml
+timeout 300 "$program" sim --site still.yaml --pattern grid --out still --quiet >still.log 2>&1
+last=$(find moved -name 'wall-[0-9]*.png' ! -name '*incomplete*' | sort | tail -1)
+frame=${last##*-}
+for which in 0 1 2; do
+    same_file "the site changed: tile t$which shows the new one" "moved/tile-t$which-$frame" still/tile-t$which.png
+done
+is "the site changed: one was late, one came back" \
+    "$(tile "moved-$$.json" 1 lost) $(tile "moved-$$.json" 2 returned) $(json "moved-$$.json" "['site_reloads']")" "0 1 1"
+is "the file that is gone is told once" "$(grep -c "no such file any more" moved.log)" 1
+nothing_is_left moved
 
 # --- one dies whenever it draws, one loses its context: the first is named and left for a while, the second comes back
 timeout 300 "$program" sim --scene sheet.obj "${wall[@]}" --live --frames 1000000 --restarts 2 --frame-deadline 2 \

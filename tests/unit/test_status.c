@@ -109,6 +109,8 @@ static void log_drops_what_is_above_its_threshold(void **state) {
     gw_log_write(NULL, GW_LOG_ERROR, "no log");
     gw_log_progress(&log, "building", 7.0);
     assert_true(ear.fraction == 1.0);
+    gw_log_progress(&log, "without an end", -0.5);
+    assert_true(ear.fraction < 0);
 }
 
 static void level_names_round_trip(void **state) {

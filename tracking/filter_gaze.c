@@ -36,6 +36,7 @@ static int make_unit(double v[3]) {
 void gw_gaze_filter_begin(gw_gaze_filter *filter, const gw_gaze_tuning *tuning) {
     memset(filter, 0, sizeof *filter);
     filter->tuning = *tuning;
+    filter->usual = tuning->saccade_speed / 8;
 }
 
 /* --- speed */
@@ -108,19 +109,30 @@ static double way_of(const gw_gaze_filter *f) {
     return way * way < LARGEST ? way * way : LARGEST;
 }
 
-/* Ends by rest, or because no saccade lasts as long: then it is the tracker that shakes. */
-static int goes_on(const gw_gaze_filter *f, int64_t time) {
-    const double gone = 1e-9 * (double)(time - f->since), slack = 0.05;
-    return f->speed >= REST * f->tuning.saccade_speed && gone <= SHORTEST + PER_DEGREE * LARGEST + slack;
+/* A tracker that shakes says high speeds all the time: 4 times the median is passed by one in 65,000 speeds
+ * of plain noise (Rayleigh's distribution), whatever its size (after M. Nystrom, K. Holmqvist: An adaptive
+ * algorithm for fixation, saccade, and glissade detection, 2010). Up and down by equal parts, it comes to
+ * rest where half of the speeds lie on either side; saccades take too little of the time to move it. */
+static double threshold(gw_gaze_filter *f, double dt) {
+    const double part = fmin(dt / 0.3, 0.2), now = fmax(f->tuning.saccade_speed, 4 * f->usual);
+    f->usual = fmin(fmax(f->usual * (f->speed > f->usual ? 1 + part : 1 - part), 1), 1000);
+    return now;
 }
 
-static void watch(gw_gaze_filter *f, const double before[3], int64_t time) {
+/* Ends by rest, or because no saccade lasts as long: then it is the tracker that shakes. */
+static int goes_on(const gw_gaze_filter *f, double least, int64_t time) {
+    const double gone = 1e-9 * (double)(time - f->since), slack = 0.05;
+    return f->speed >= REST * least && gone <= SHORTEST + PER_DEGREE * LARGEST + slack;
+}
+
+static void watch(gw_gaze_filter *f, const double before[3], double dt, int64_t time) {
     if (f->tuning.saccade_speed <= 0)
         return;
+    const double least = threshold(f, dt);
     if (f->in_saccade) {
         f->peak = f->speed > f->peak ? f->speed : f->peak;
-        f->in_saccade = goes_on(f, time);
-    } else if (f->speed >= f->tuning.saccade_speed) {
+        f->in_saccade = goes_on(f, least, time);
+    } else if (f->speed >= least) {
         f->in_saccade = 1;
         f->saccades++;
         f->since = time;
@@ -144,9 +156,11 @@ int gw_gaze_filter_take(gw_gaze_filter *f, const double direction[3], int64_t ti
         return 0;
     if (!f->started || time - last > GAP) {
         const uint32_t saccades = f->saccades;
+        const double usual = f->usual;
         const gw_gaze_tuning tuning = f->tuning;
         gw_gaze_filter_begin(f, &tuning);
         f->saccades = saccades;
+        f->usual = usual;
         f->started = 1;
         keep(f, unit, time);
         take_as_it_is(f, unit);
@@ -157,12 +171,13 @@ int gw_gaze_filter_take(gw_gaze_filter *f, const double direction[3], int64_t ti
     keep(f, unit, time);
     f->speed = speed_of(f);
     const int was = f->in_saccade;
-    watch(f, before, time);
+    const double dt = 1e-9 * (double)(time - last);
+    watch(f, before, dt, time);
     /* The sample at which it comes to rest is the first of the fixation. */
     if (f->in_saccade || was)
         take_as_it_is(f, unit);
     else
-        smooth(f, unit, 1e-9 * (double)(time - last));
+        smooth(f, unit, dt);
     return 1;
 }
 

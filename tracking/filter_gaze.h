@@ -12,9 +12,9 @@
 enum { GW_GAZE_RING = 32 };
 
 typedef struct gw_gaze_tuning {
-    int filtered;          /* 0: directions pass as they are */
-    gw_one_euro one_euro;  /* growth in Hz per deg/s */
-    double saccade_speed;  /* deg/s from which a gaze is a saccade; 0: none is looked for */
+    int filtered;         /* 0: directions pass as they are */
+    gw_one_euro one_euro; /* growth in Hz per deg/s */
+    double saccade_speed; /* deg/s from which a gaze is a saccade, or 4 times its usual speed; 0: no search */
     double widening_limit; /* deg */
 } gw_gaze_tuning;
 
@@ -25,6 +25,7 @@ typedef struct gw_gaze_filter {
     double delay;         /* s, group delay now */
     double speed;         /* deg/s, over the newest 10 ms against those before, or of the last two samples */
     double slow;          /* deg/s, as One-Euro's cutoff sees it */
+    double usual;         /* deg/s, about the median of `speed`: noise, mostly */
     int in_saccade;       /* since the sample at `since` */
     int64_t since;        /* ns */
     double from[3], peak; /* where it began; deg/s */

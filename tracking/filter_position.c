@@ -4,7 +4,8 @@
 #include <string.h>
 
 /* Hz, of the velocity of samples that no Kalman filter estimates. Heads turn back about once a second; a
- * lower cutoff predicts them past the turn, a higher one shakes (docs/tracking.md has the table). */
+ * lower cutoff predicts them past the turn, a higher one shakes (docs/tracking.md has the table). One-Euro's
+ * own cutoff holds where it is lower, or what it steadied the prediction would shake again. */
 static const double VELOCITY_CUTOFF = 6;
 
 void gw_position_filter_begin(gw_position_filter *filter, const gw_position_tuning *tuning) {
@@ -24,21 +25,19 @@ static void start(gw_position_filter *f, const double sample[3]) {
 
 /* The paper takes the speed from the sample and the filtered place before it, which counts the filter's own
  * lag as speed, the more the higher the rate is; two samples give the same at any rate. */
-static void estimate_velocity(gw_position_filter *f, const double sample[3], double dt) {
-    const double fast = gw_low_pass_weight(VELOCITY_CUTOFF, dt),
-                 slow = gw_low_pass_weight(GW_SPEED_CUTOFF, dt);
-    for (int i = 0; i < 3; i++) {
-        const double velocity = (sample[i] - f->last[i]) / dt;
-        f->velocity[i] += fast * (velocity - f->velocity[i]);
-        f->slow[i] += slow * (velocity - f->slow[i]);
-    }
+static void estimate_velocity(double velocity[3], const double last[3], const double sample[3], double cutoff,
+                              double dt) {
+    const double weight = gw_low_pass_weight(fmin(cutoff, VELOCITY_CUTOFF), dt);
+    for (int i = 0; i < 3; i++)
+        velocity[i] += weight * ((sample[i] - last[i]) / dt - velocity[i]);
 }
 
 static void take_one_euro(gw_position_filter *f, const double sample[3], double dt) {
-    estimate_velocity(f, sample, dt);
+    estimate_velocity(f->slow, f->last, sample, GW_SPEED_CUTOFF, dt);
     const double speed = sqrt(f->slow[0] * f->slow[0] + f->slow[1] * f->slow[1] + f->slow[2] * f->slow[2]);
     const double cutoff = gw_one_euro_cutoff(&f->tuning.one_euro, speed);
     const double weight = gw_low_pass_weight(cutoff, dt);
+    estimate_velocity(f->velocity, f->last, sample, cutoff, dt);
     for (int i = 0; i < 3; i++)
         f->at[i] += weight * (sample[i] - f->at[i]);
     f->delay = gw_low_pass_delay(cutoff);
@@ -79,7 +78,7 @@ int gw_position_filter_take(gw_position_filter *f, const double sample[3], doubl
     } else if (f->tuning.kind == GW_FILTER_KIND_ONE_EURO) {
         take_one_euro(f, sample, dt);
     } else {
-        estimate_velocity(f, sample, dt);
+        estimate_velocity(f->velocity, f->last, sample, VELOCITY_CUTOFF, dt);
         memcpy(f->at, sample, sizeof f->at);
     }
     memcpy(f->last, sample, sizeof f->last);

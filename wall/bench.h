@@ -71,6 +71,9 @@ gw_code gw_bench_growth(gw_bench *bench, gw_error *error);
 /* The rasterised voxeliser of Weier et al. 2014 against the refinement of pairs. */
 gw_code gw_bench_voxelise(gw_bench *bench, gw_error *error);
 
+/* Lag against jitter of the tracker's filters, and what a sample costs. No device, no scene. */
+gw_code gw_bench_tracking(gw_bench *bench, gw_error *error);
+
 /* One octree's work, bytes and times. */
 typedef struct gw_built {
     uint32_t depth, triangles;

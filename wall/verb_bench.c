@@ -17,7 +17,8 @@ typedef enum bench_needs {
     NEEDS_OCTREE,
     NEEDS_SCENE,
     NEEDS_SCENES, /* several, after the bench's name; it opens them itself */
-    NEEDS_NOTHING
+    NEEDS_NOTHING,
+    NEEDS_NO_DEVICE /* nor a scene */
 } bench_needs;
 
 typedef struct bench_kind {
@@ -29,12 +30,18 @@ typedef struct bench_kind {
 } bench_kind;
 
 static const bench_kind kinds[] = {
-    {"build", gw_bench_build, NEEDS_OCTREE, 0, 0},       {"peers", gw_bench_peers, NEEDS_OCTREE, 0, 0},
-    {"modes", gw_bench_modes_run, NEEDS_OCTREE, 0, 9},   {"layouts", gw_bench_layouts, NEEDS_OCTREE, 1, 0},
-    {"table2", gw_bench_table2, NEEDS_SCENES, 0, 0},     {"growth", gw_bench_growth, NEEDS_NOTHING, 0, 0},
-    {"resident", gw_bench_resident, NEEDS_SCENES, 0, 0}, {"voxelise", gw_bench_voxelise, NEEDS_SCENE, 1, 0},
-    {"rebuild", gw_bench_rebuild, NEEDS_SCENE, 0, 0},    {"scale", gw_bench_scale, NEEDS_OCTREE, 0, 0},
+    {"build", gw_bench_build, NEEDS_OCTREE, 0, 0},
+    {"peers", gw_bench_peers, NEEDS_OCTREE, 0, 0},
+    {"modes", gw_bench_modes_run, NEEDS_OCTREE, 0, 9},
+    {"layouts", gw_bench_layouts, NEEDS_OCTREE, 1, 0},
+    {"table2", gw_bench_table2, NEEDS_SCENES, 0, 0},
+    {"growth", gw_bench_growth, NEEDS_NOTHING, 0, 0},
+    {"resident", gw_bench_resident, NEEDS_SCENES, 0, 0},
+    {"voxelise", gw_bench_voxelise, NEEDS_SCENE, 1, 0},
+    {"rebuild", gw_bench_rebuild, NEEDS_SCENE, 0, 0},
+    {"scale", gw_bench_scale, NEEDS_OCTREE, 0, 0},
     {"aliasing", gw_bench_aliasing, NEEDS_SCENES, 0, 0},
+    {"tracking", gw_bench_tracking, NEEDS_NO_DEVICE, 0, 0},
 };
 enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };
 
@@ -148,7 +155,7 @@ static const struct argp bench_argp = {
     .options = options_table,
     .parser = parse_bench,
     .args_doc = "build|peers|modes|layouts|table2 [SCENE...]|growth|resident "
-                "[SCENE...]|voxelise|rebuild|scale|aliasing [SCENE...]",
+                "[SCENE...]|voxelise|rebuild|scale|aliasing [SCENE...]|tracking",
     .children = children,
     .doc =
         "build: builds the scene's octree again and again; medians, phases, pairs, bytes a triangle.\n"
@@ -185,6 +192,9 @@ static const struct argp bench_argp = {
         "voxelise: the same paper's rasterised voxeliser against refinement: pairs that one of them lacks, "
         "and why; "
         "time and bytes.\n"
+        "tracking: filters of heads and gazes on people made by formula, through the whole tracker: lag "
+        "against the "
+        "true path, jitter at rest, error when a frame is seen, saccades found, processor time a sample.\n"
         "rebuild: octrees of an animated scene, pose after pose, built anew and rebuilt: time, buffers; "
         "fails when they differ.\v"
         "Examples:\n"
@@ -248,6 +258,10 @@ static gw_code prepare(bench_options *o, int argc, char **argv, gw_error *error)
         code = gw_model_open(model, &bench->draw, &bench->console.log, error);
     if (!code && o->kind->needs == NEEDS_SCENE)
         code = gw_model_import(model, &bench->draw, &bench->console.log, error);
+    if (!code && o->kind->needs == NEEDS_NO_DEVICE) {
+        gw_report_settings(bench->report, &bench->draw.settings);
+        return GW_OK;
+    }
     if (!code && o->kind->needs != NEEDS_OCTREE)
         code = gw_model_open_device(model, &bench->draw, &bench->console.log, error);
     if (code)
@@ -277,7 +291,7 @@ static gw_code check_heeded(const bench_options *o, gw_error *error) {
                                                               : NULL;
     if (lost)
         return gw_fail(error, GW_BAD_INPUT, "bench %s has no use for %s; leave it out", o->kind->name, lost);
-    return o->kind->needs == NEEDS_NOTHING && bench->draw.scene
+    return o->kind->needs >= NEEDS_NOTHING && bench->draw.scene
                ? gw_fail(error, GW_BAD_INPUT, "bench %s makes its own scenes: leave --scene out",
                          o->kind->name)
                : GW_OK;

@@ -353,6 +353,28 @@ static void fixations_and_pursuit_are_no_saccades(void **state) {
     }
 }
 
+/* A tracker that shakes by half a degree: what a fixed threshold takes for saccades all the time. */
+static void noise_is_no_saccade(void **state) {
+    (void)state;
+    const double rates[] = {60, 250, 1000};
+    const gw_gaze_tuning tuning = {1, {2, 0.02}, 70, 30};
+    for (size_t r = 0; r < 3; r++) {
+        uint64_t seed = 77 + r;
+        uint32_t settled = 0, fast = 0;
+        gw_gaze_filter f;
+        gw_gaze_filter_begin(&f, &tuning);
+        for (int i = 0; i < 20 * rates[r]; i++) {
+            double d[3];
+            direction(0, 0.5, &seed, d);
+            gw_gaze_filter_take(&f, d, (int64_t)(i / rates[r] * 1e9));
+            settled = i < 3 * rates[r] ? f.saccades : settled;
+            fast += f.speed > 70;
+        }
+        assert_true(f.saccades - settled <= 2);
+        assert_true(rates[r] > 500 || fast > 100);
+    }
+}
+
 static void blinks_start_anew(void **state) {
     (void)state;
     const gw_gaze_tuning tuning = {1, {1, 0}, 70, 30};
@@ -378,6 +400,7 @@ int main(void) {
         cmocka_unit_test(turns_are_predicted),
         cmocka_unit_test(saccades_are_found_and_not_filtered),
         cmocka_unit_test(fixations_and_pursuit_are_no_saccades),
+        cmocka_unit_test(noise_is_no_saccade),
         cmocka_unit_test(blinks_start_anew),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -209,6 +209,8 @@ static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_
         return code;
     release.predict = release.last || rank->options.out || gw_budget_is_on(&conductor->budget);
     code = gw_conductor_make_state(conductor, rank, frame, &release.state, error);
+    if (frame)
+        release.latency = conductor->latencies[gw_kept(conductor, frame - 1)];
     conductor->states[gw_kept(conductor, frame)] = release.state;
     int64_t begin = gw_now_ns();
     if (code)

@@ -10,6 +10,7 @@
 #include "render/frame_state.h"
 #include "render/predicted_error.h"
 #include "render/renderer.h"
+#include "wall/latency.h"
 #include "wall/overlay.h"
 
 #include <stddef.h>
@@ -32,6 +33,7 @@ typedef struct gw_release {
     uint32_t echo;       /* PONG: the beat that it answers; 0: none */
     uint32_t site;       /* the site that holds: 0 the one of the start, then 1, 2, ... */
     int64_t clock;       /* ns, of rank 0 when it sent this */
+    gw_latency latency;  /* of the frame before, for the overlay */
     gw_frame_state state;
 } gw_release;
 _Static_assert(sizeof(gw_release) < 512, "release and frame state travel in one small message");

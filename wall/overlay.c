@@ -101,8 +101,21 @@ static void write_age(char text[32], double age) {
         snprintf(text, 32, "pose %.0f ms old", age * 1e3);
 }
 
+/* The sum, and what adds to it. */
+static void write_latency(char text[128], char stages[128], const gw_latency *latency) {
+    const double total = gw_latency_total(latency);
+    snprintf(text, 128, latency->tracked ? "motion to photons %.0f ms, %.0f of them predicted" : "", total,
+             (double)latency->predicted);
+    size_t used = 0;
+    stages[0] = '\0';
+    for (int i = 0; i < GW_LATENCY_STAGES && latency->tracked && used < 128; i++)
+        used +=
+            (size_t)snprintf(stages + used, 128 - used, "%s%s %.0f", i ? " " : "",
+                             i == GW_LATENCY_SCAN_OUT ? "out" : gw_latency_names[i], (double)latency->ms[i]);
+}
+
 void gw_overlay_draw(gw_image *tile, const gw_lanes *lanes, const gw_overlay_text *t) {
-    enum { COLUMNS = 44, LEGEND_COLUMNS = 19, LINES = 9 };
+    enum { COLUMNS = 50, LEGEND_COLUMNS = 19, LINES = 11 };
     /* A third of the tile's height and half of its width, in whole dots. */
     const uint32_t by_height = tile->height / (3 * GW_TEXT_LINE * LINES),
                    by_width = tile->width / (2 * GW_TEXT_ADVANCE * COLUMNS);
@@ -110,7 +123,7 @@ void gw_overlay_draw(gw_image *tile, const gw_lanes *lanes, const gw_overlay_tex
     scale = scale ? scale : 1;
     const int64_t dot = scale, line = GW_TEXT_LINE * dot, advance = GW_TEXT_ADVANCE * dot, gap = 4 * dot;
     const int64_t width = COLUMNS * advance + 2 * gap, height = LINES * line + 2 * gap;
-    char text[128], age[32];
+    char text[128], stages[128], age[32];
     gw_box_draw(tile, 0, 0, width, height, ground);
     snprintf(text, sizeof text, "%s  rank %" PRIu32 "%s%s  frame %" PRIu32, t->tile, t->rank,
              t->host[0] ? "  " : "", t->host, t->frame);
@@ -124,7 +137,10 @@ void gw_overlay_draw(gw_image *tile, const gw_lanes *lanes, const gw_overlay_tex
     snprintf(text, sizeof text, "late %" PRIu32 "  skipped %" PRIu32 "  lost %" PRIu32, t->late, t->skipped,
              t->lost);
     gw_text_draw(tile, gap, gap + 2 * line, scale, t->late + t->skipped + t->lost ? alarm_ink : faint, text);
-    draw_legend(tile, lanes, gap, gap + 3 * line, scale);
+    write_latency(text, stages, &t->latency);
+    gw_text_draw(tile, gap, gap + 3 * line, scale, ink, text);
+    gw_text_draw(tile, gap, gap + 4 * line, scale, faint, stages);
+    draw_legend(tile, lanes, gap, gap + 5 * line, scale);
     const int64_t left = gap + LEGEND_COLUMNS * advance;
-    draw_bars(tile, lanes, left, gap + 3 * line + 2 * dot, width - gap - left, 6 * line - 4 * dot);
+    draw_bars(tile, lanes, left, gap + 5 * line + 2 * dot, width - gap - left, 6 * line - 4 * dot);
 }

@@ -1,10 +1,12 @@
 /* The overlay: what a tile is doing, drawn over the picture that is shown or written, never into the pixels
  * that are hashed: who it is, how long the parts of its last frames took as bars side by side, rays a second,
- * the age of the pose, what was missed, and the frame code. Host only; one thread. */
+ * the age of the pose and the way from motion to photons, what was missed, and the frame code. Host only; one
+ * thread. */
 #ifndef GW_WALL_OVERLAY_H
 #define GW_WALL_OVERLAY_H
 
 #include "base/image.h"
+#include "wall/latency.h"
 
 #include <stdint.h>
 
@@ -41,6 +43,7 @@ typedef struct gw_overlay_text {
     double rays_per_second; /* 0: nothing was traced */
     double pose_age;        /* s; negative: nobody is tracked */
     uint32_t late, skipped, lost;
+    gw_latency latency; /* from motion to photons, of the frame before */
 } gw_overlay_text;
 
 /* Over a picture of one tile. */

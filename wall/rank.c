@@ -90,6 +90,7 @@ void gw_rank_draw(gw_rank *rank, const gw_release *release, gw_done *done) {
     gw_error error = {0};
     memset(done, 0, sizeof *done);
     done->frame = release->state.frame;
+    rank->latency = release->latency;
     done->code = (int32_t)draw(rank, release, done, &error);
     snprintf(done->text, sizeof done->text, "%s", error.text);
     rank->drawn = done->code ? 0 : release->number + 1;

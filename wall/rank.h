@@ -35,6 +35,7 @@ typedef struct gw_rank {
     gw_lanes lanes;               /* of the overlay */
     float lane_ms[GW_LANES];      /* measured last */
     gw_missed missed;             /* that this tile knows of */
+    gw_latency latency;           /* as the last release told it */
     uint32_t next;                /* number of the frame that it expects */
     uint8_t *eye_pixels;          /* of one eye, where the tile shows two; else NULL */
     gw_gate_client gate;          /* ranks above 0 */

@@ -24,7 +24,8 @@ void gw_rank_overlay(const gw_rank *rank, uint32_t tile, const gw_frame_state *s
                                   .pose_age = state->gaze_count ? (double)state->gazes[0].age : -1,
                                   .late = missed->late,
                                   .skipped = missed->skipped,
-                                  .lost = missed->lost};
+                                  .lost = missed->lost,
+                                  .latency = rank->latency};
     gw_overlay_draw(image, lanes, &text);
 }
 

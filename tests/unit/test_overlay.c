@@ -72,6 +72,26 @@ static void old_frames_go(void **state) {
     gw_image_finish(&fresh);
 }
 
+/* The way from motion to photons has lines of its own, in which nothing stands when nobody is tracked. */
+static void latency_is_told(void **state) {
+    (void)state;
+    gw_lanes lanes = {0};
+    gw_image nobody = grey(960, 540), one = grey(960, 540), other = grey(960, 540);
+    gw_overlay_text tracked = someone;
+    tracked.latency = (gw_latency){1, {3, 0, 8, 40, 24, 8}, 20};
+    gw_overlay_draw(&nobody, &lanes, &someone);
+    gw_overlay_draw(&one, &lanes, &tracked);
+    tracked.latency.ms[GW_LATENCY_WAIT] = 17;
+    gw_overlay_draw(&other, &lanes, &tracked);
+    const size_t bytes = (size_t)960 * 540 * 4;
+    assert_memory_not_equal(nobody.rgba, one.rgba, bytes);
+    assert_memory_not_equal(one.rgba, other.rgba, bytes);
+    assert_true(gw_latency_total(&tracked.latency) == 92);
+    gw_image_finish(&nobody);
+    gw_image_finish(&one);
+    gw_image_finish(&other);
+}
+
 static void what_was_missed_is_told(void **state) {
     (void)state;
     gw_lanes lanes = {0};
@@ -111,6 +131,7 @@ int main(void) {
         cmocka_unit_test(bars_are_as_high_as_their_times),
         cmocka_unit_test(old_frames_go),
         cmocka_unit_test(what_was_missed_is_told),
+        cmocka_unit_test(latency_is_told),
         cmocka_unit_test(any_size_is_safe),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -39,6 +39,7 @@ gw_code gw_conductor_reload(gw_conductor *conductor, struct gw_rank *rank, uint3
         return GW_OK;
     tell_changes(rank, &changes, frame);
     conductor->reloads++;
+    gw_tracked_take_site(conductor->tracked, &site);
     code = gw_gate_take_site(conductor->gate, &site, conductor->reloads, error);
     return code ? code : gw_rank_take_site(rank, &site, conductor->reloads, error);
 }

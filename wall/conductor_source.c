@@ -163,10 +163,14 @@ static void look(const gw_conductor *conductor, const struct gw_rank *rank, uint
         target = pointed;
     else if (gaze == GW_PILOT_GAZE_GIVEN && rank->options.gaze == GW_GAZE_AT_PIXEL)
         target = conductor->stare;
-    if (view)
+    if (view) {
+        gw_wand wand;
+        gw_tracked_wand(conductor->tracked, &wand);
+        gw_pilot_take_wand(conductor->pilot, &wand);
         gw_frame_look(state, view, settings);
-    else
+    } else {
         gw_frame_stare(state, site->layout.eye, target, settings);
+    }
     *latency = view ? gw_latency_of(&view->viewers[0]) : (gw_latency){0};
     state->time = time;
     if (gw_site_is_stereo(site))

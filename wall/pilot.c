@@ -45,7 +45,7 @@ struct gw_pilot {
 /* The site's trackers have a device that navigates. */
 static int has_wand(const struct gw_rank *rank) {
     const gw_tracker_navigation *navigation = &rank->site.trackers.navigation;
-    return !rank->options.track && !rank->options.states &&
+    return !rank->options.states &&
            (navigation->forward >= 0 || navigation->turn >= 0 || navigation->reset >= 0);
 }
 

@@ -17,6 +17,9 @@ struct gw_tracked {
     gw_tracked_live *live;   /* NULL: recorded */
     int64_t duration;
     gw_tracker_setup setup;
+    int is_site; /* the setup is the site's */
+    const gw_log *log;
+    int suspected[GW_TRACKER_SOURCES]; /* a unit that cannot be was told */
     gw_tracker_view view;
 };
 
@@ -99,6 +102,7 @@ static gw_code open_recording(gw_tracked *tracked, const gw_tracked_options *opt
     tracked->duration = tracked->recording->duration;
     if (match_site(&options->site->trackers, tracked->recording, sources)) {
         tracked->setup = options->site->trackers;
+        tracked->is_site = 1;
         json_object_set_new(report, "tracking",
                             json_pack("{s:s, s:s, s:f}", "state", "recording", "file", path, "duration_s",
                                       (double)tracked->duration * 1e-9));
@@ -132,6 +136,7 @@ static gw_code open_source(gw_tracked *tracked, const gw_tracked_options *option
     if (site->source_count == 1 && gw_file_exists(site->sources[0].spec))
         return open_recording(tracked, options, site->sources[0].spec, report, error);
     tracked->setup = *site;
+    tracked->is_site = 1;
     return open_live(tracked, options, report, error);
 }
 
@@ -140,6 +145,8 @@ gw_code gw_tracked_open(const gw_tracked_options *options, json_t *report, gw_tr
     void *memory = NULL;
     gw_code code = gw_allocate(&memory, 1, sizeof(gw_tracked), "tracking", error);
     *out = memory;
+    if (!code)
+        (*out)->log = options->log;
     if (!code)
         code = open_source(*out, options, report, error);
     if (!code)
@@ -168,7 +175,25 @@ int gw_tracked_is_live(const gw_tracked *tracked) {
     return tracked->live != NULL;
 }
 
+void gw_tracked_take_site(gw_tracked *tracked, const gw_site *site) {
+    if (!tracked || !tracked->is_site)
+        return;
+    gw_tracker_set_rooms(tracked->tracker, &site->trackers);
+    memset(tracked->suspected, 0, sizeof tracked->suspected);
+}
+
 /* --- frames */
+
+/* Heads that are where no head can be are told once for each source. */
+static void tell_suspicions(gw_tracked *tracked) {
+    char text[256];
+    for (uint32_t s = 0; s < tracked->setup.source_count; s++)
+        if (!tracked->suspected[s] && gw_tracker_suspect(tracked->tracker, (int)s, text, sizeof text)) {
+            tracked->suspected[s] = 1;
+            gw_log_write(tracked->log, GW_LOG_WARNING, "tracker %s: %s", tracked->setup.sources[s].spec,
+                         text);
+        }
+}
 
 const gw_tracker_view *gw_tracked_look(gw_tracked *tracked, int64_t time, int64_t lead,
                                        const double neutral_eye[3]) {
@@ -180,7 +205,12 @@ const gw_tracker_view *gw_tracked_look(gw_tracked *tracked, int64_t time, int64_
         gw_player_feed(tracked->player, tracked->tracker, time);
         gw_tracker_at(tracked->tracker, time, time, &tracked->view);
     }
+    tell_suspicions(tracked);
     return &tracked->view;
+}
+
+void gw_tracked_wand(const gw_tracked *tracked, gw_wand *out) {
+    gw_tracker_wand(tracked->tracker, out);
 }
 
 /* --- what there is to tell */
@@ -202,10 +232,21 @@ static json_t *viewers_of(const gw_tracked *tracked) {
     return list;
 }
 
+static json_t *suspicions_of(const gw_tracked *tracked) {
+    json_t *list = json_array();
+    char text[256];
+    for (uint32_t s = 0; s < tracked->setup.source_count; s++)
+        if (gw_tracker_suspect(tracked->tracker, (int)s, text, sizeof text))
+            json_array_append_new(
+                list, json_pack("{s:s, s:s}", "source", tracked->setup.sources[s].spec, "unit", text));
+    return list;
+}
+
 void gw_tracked_report(gw_tracked *tracked, json_t *report) {
     json_t *tracking = json_object_get(report, "tracking");
     const gw_tracker_counters *c = gw_tracker_count(tracked->tracker);
     json_object_set_new(tracking, "viewers", viewers_of(tracked));
+    json_object_set_new(tracking, "suspected", suspicions_of(tracked));
     json_object_set_new(tracking, "tracker",
                         json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "samples",
                                   count(c->samples), "untracked", count(c->untracked), "duplicated",

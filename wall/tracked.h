@@ -36,6 +36,11 @@ int gw_tracked_is_live(const gw_tracked *tracked);
 const gw_tracker_view *gw_tracked_look(gw_tracked *tracked, int64_t time, int64_t lead,
                                        const double neutral_eye[3]);
 
+/* What the device that navigates asks for, as of the last look. */
+void gw_tracked_wand(const gw_tracked *tracked, gw_wand *out);
+/* Where trackers stand, as a changed site says, if it is the site's that are followed. NULL does nothing. */
+void gw_tracked_take_site(gw_tracked *tracked, const gw_site *site);
+
 /* Adds states and counters of the run to the report's key `tracking`. */
 void gw_tracked_report(gw_tracked *tracked, json_t *report);
 

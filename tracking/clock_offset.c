@@ -11,6 +11,13 @@ static int64_t bounded(int64_t time) {
     return time > LATEST ? LATEST : time < -LATEST ? -LATEST : time;
 }
 
+/* a - b, brought into the range of times. */
+static int64_t minus(int64_t a, int64_t b) {
+    if (b < 0 ? a > INT64_MAX + b : a < INT64_MIN + b)
+        return b < 0 ? INT64_MAX : INT64_MIN;
+    return a - b;
+}
+
 static void begin(gw_clock_offset *clock, int64_t arrival, int64_t difference) {
     for (int i = 0; i < GW_CLOCK_BUCKETS; i++)
         clock->least[i] = INT64_MAX;
@@ -25,7 +32,7 @@ static void begin(gw_clock_offset *clock, int64_t arrival, int64_t difference) {
 
 static void step(gw_clock_offset *clock, int64_t arrival, int64_t difference) {
     clock->steps++;
-    clock->last_step = clock->offset - difference;
+    clock->last_step = minus(clock->offset, difference);
     begin(clock, arrival, difference);
 }
 
@@ -90,6 +97,6 @@ gw_clock_verdict gw_clock_offset_take(gw_clock_offset *clock, int64_t arrival, i
 }
 
 int64_t gw_clock_offset_delay(const gw_clock_offset *clock, int64_t arrival, int64_t stamp) {
-    const int64_t delay = bounded(arrival) - bounded(stamp) - clock->offset;
+    const int64_t delay = minus(bounded(arrival) - bounded(stamp), clock->offset);
     return delay > 0 ? delay : 0;
 }

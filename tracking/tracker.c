@@ -99,6 +99,10 @@ static int move_wand(gw_wand *wand, const gw_tracker_navigation *navigation, con
 }
 
 void gw_tracker_take(gw_tracker *tracker, int source, const gw_tracking_event *event) {
+    if (event->arrival > GW_LATEST || event->arrival < -GW_LATEST) {
+        tracker->counters.not_finite++;
+        return;
+    }
     int taken = event->sensor >= 0 && source == tracker->setup.navigation.source &&
                 move_wand(&tracker->wand, &tracker->setup.navigation, event);
     const int told = event->kind == GW_EVENT_POSE || event->kind == GW_EVENT_GAZE;

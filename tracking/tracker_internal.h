@@ -11,6 +11,7 @@
 #include "tracking/tracker.h"
 
 enum { GW_SAMPLE_NUMBERS = 7 };
+#define GW_LATEST INT64_C(4000000000000000000) /* ns: times beyond it (126 years) are none */
 
 /* Settings in the units of the tracker. */
 typedef struct gw_tracker_tuning {

@@ -3,9 +3,11 @@
 
 #include <string.h>
 
-static const int64_t LATEST = INT64_C(4000000000000000000); /* ns; no time of a device lies beyond */
+static const int64_t LATEST = GW_LATEST; /* ns; no time of a device lies beyond */
 /* A delay that is longer than this is no delay but a clock that is about to be found set anew. */
 static const int64_t LONGEST_DELAY = 1000000000;
+/* Nor does a device spend longer before its stamp, added_latency included. */
+static const int64_t LONGEST_TOLD = INT64_C(10000000000);
 
 static int same_numbers(const gw_sample_order *order, const double numbers[GW_SAMPLE_NUMBERS]) {
     return memcmp(order->numbers, numbers, sizeof order->numbers) == 0;
@@ -65,7 +67,7 @@ int gw_sample_is_new(gw_tracker *tracker, gw_source_clock *clock, gw_sample_orde
     order->arrival = arrival;
     order->behind_known = 0;
     memcpy(order->numbers, numbers, sizeof order->numbers);
-    const int64_t told = event->latency > LONGEST_DELAY ? 0 : gw_not_below_0(event->latency);
+    const int64_t told = event->latency > LONGEST_TOLD ? 0 : gw_not_below_0(event->latency);
     *time = arrival - delay - told;
     /* A better estimate of the offset may put a sample before the one that was taken earlier. */
     if (sensor->heard && *time <= sensor->time)

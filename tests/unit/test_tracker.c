@@ -521,6 +521,68 @@ static void gazes_of_every_kind(void **state) {
     gw_tracker_destroy(&tracker);
 }
 
+/* Whatever the numbers, every view is finite, and every event is counted once. */
+static void any_event_is_survived(void **state) {
+    (void)state;
+    const double odd[] = {0, -0.0, 1, -1, NAN, INFINITY, -INFINITY, 1e308, -1e308, 1e-308, 1e9, 3e-7};
+    const int64_t times[] = {0, 1, -1, INT64_MIN, INT64_MAX, INT64_MIN + 1, INT64_C(4000000000000000000)};
+    for (uint64_t number = 1; number <= 3; number++) {
+        uint64_t seed = number;
+        print_message("# seed %llu\n", (unsigned long long)seed);
+        gw_settings settings;
+        gw_tracker_setup setup;
+        gw_tracker *tracker;
+        gw_settings_init(&settings);
+        settings.head_filter = (int32_t)(number % 3);
+        settings.gaze_filter = 1;
+        gw_tracker_setup_default("Test@localhost", &setup);
+        const gw_tracker_options options = {&settings, {0, 0, 1800}, 0};
+        check_ok(gw_tracker_create(&setup, &options, &tracker, &error));
+        uint64_t given = 0;
+        int64_t now = 0;
+        for (int i = 0; i < 60000; i++) {
+            gw_tracking_event e = head_event(1e-3 * i, 0);
+            e.kind = (gw_tracking_event_kind)(random_bits(&seed) % 5);
+            e.sensor = (int32_t)(random_bits(&seed) % 4);
+            double *numbers = e.of.pose.position;
+            for (int k = 0; k < 8; k++)
+                if (random_unit(&seed) < 0.05)
+                    numbers[k] = odd[random_bits(&seed) % 12];
+            if (e.kind == GW_EVENT_GAZE) {
+                e.of.gaze.frame = (gw_gaze_frame)(random_bits(&seed) % 2);
+                e.of.gaze.has_origin = (int)(random_bits(&seed) % 2);
+                e.of.gaze.openness = odd[random_bits(&seed) % 6];
+                for (int k = 0; k < 3; k++)
+                    e.of.gaze.direction[k] = odd[random_bits(&seed) % 12];
+            }
+            if (random_unit(&seed) < 0.02)
+                e.arrival = times[random_bits(&seed) % 7];
+            if (random_unit(&seed) < 0.02)
+                e.device_time = times[random_bits(&seed) % 7];
+            if (random_unit(&seed) < 0.02)
+                e.latency = times[random_bits(&seed) % 7];
+            if (random_unit(&seed) < 0.02)
+                e.quality = odd[random_bits(&seed) % 12];
+            gw_tracker_take(tracker, 0, &e);
+            given++;
+            now = i * ms;
+            gw_tracker_view view;
+            gw_tracker_at(tracker, now, now + 30 * ms, &view);
+            const gw_viewer_view *v = &view.viewers[0];
+            for (int k = 0; k < 3; k++)
+                assert_true(isfinite(v->eye[k]) && isfinite(v->gaze_direction[k]) &&
+                            isfinite(v->gaze_origin[k]));
+            assert_true(isfinite(v->head[3]) && v->confidence >= 0 && v->confidence <= 1);
+            assert_true(v->quality >= 0 && v->quality <= 1 && isfinite(v->gaze_widening));
+        }
+        const gw_tracker_counters *c = gw_tracker_count(tracker);
+        assert_int_equal(c->samples + c->untracked + c->duplicated + c->reordered + c->not_finite +
+                             c->headless + c->unassigned,
+                         given);
+        gw_tracker_destroy(&tracker);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(eyes_never_jump),
@@ -532,6 +594,7 @@ int main(void) {
         cmocka_unit_test(delays_show_in_the_ages),
         cmocka_unit_test(prediction_meets_the_presentation),
         cmocka_unit_test(gazes_of_every_kind),
+        cmocka_unit_test(any_event_is_survived),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

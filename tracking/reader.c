@@ -68,9 +68,10 @@ static void queue_event(void *context, const gw_tracking_event *event) {
     gw_reader *reader = context;
     const gw_reader_event item = {.source = reader->polled, .event = *event};
     pthread_mutex_lock(&reader->access);
+    if (reader->queue.count == 0)
+        signal_counter(reader->waiting);
     gw_reader_queue_put(&reader->queue, &item);
     pthread_mutex_unlock(&reader->access);
-    signal_counter(reader->waiting);
 }
 
 /* Returns whether it shall end. */

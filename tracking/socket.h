@@ -38,7 +38,8 @@ int gw_socket_datagrams(const gw_endpoint *at, const char *group, uint16_t *out)
 int gw_socket_own_address(const gw_endpoint *to, char address[16]);
 
 /* As recv() with MSG_DONTWAIT, and with the time (ns, gw_now_ns clock) at which the kernel had it, at most
- * `now`; `now` where the kernel does not say. from may be NULL. size + 1: a datagram that is longer. */
+ * `now`; `now` where the kernel does not say; of a stream, that of the last bytes. from may be NULL. size +
+ * 1: a datagram that is longer. */
 ssize_t gw_socket_receive(int socket, void *bytes, size_t size, int64_t now, int64_t *arrival,
                           gw_endpoint *from);
 /* As send() and sendto() without waiting; 0 when there is no room now, -1 when the other end is gone. */

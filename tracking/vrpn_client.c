@@ -277,8 +277,8 @@ static void take_stream(gw_vrpn_client *c, int64_t now, int64_t arrival) {
 static void receive_stream(gw_vrpn_client *c, int64_t now) {
     for (int turn = 0; turn < 64 && (c->phase == GW_VRPN_GREETING || c->phase == GW_VRPN_SERVED); turn++) {
         int64_t arrival;
-        const ssize_t got =
-            gw_socket_receive(c->stream, c->in + c->in_size, sizeof c->in - c->in_size, now, &arrival, NULL);
+        const size_t room = sizeof c->in - c->in_size;
+        const ssize_t got = gw_socket_receive(c->stream, c->in + c->in_size, room, now, &arrival, NULL);
         if (got == 0)
             lose(c, c->phase == GW_VRPN_GREETING ? GW_SOURCE_NO_GREETING : GW_SOURCE_CLOSED,
                  "the server closed it", now);
@@ -290,6 +290,8 @@ static void receive_stream(gw_vrpn_client *c, int64_t now) {
         c->in_size += (size_t)got;
         c->last_heard = now;
         take_stream(c, now, arrival);
+        if ((size_t)got < room)
+            return; /* there was no more */
     }
 }
 

@@ -99,6 +99,12 @@ static void dtrack_bodies_and_flysticks(void **state) {
     give_text(&p, "fr 2\r\n6d 1 [1 1,0]" PLAIN "\r\n");
     give_text(&p, "fr 3\r\n6d 1 [1 1.0][1 2 3][1 0 0 0 1 0 0 0 9]\r\n");
     assert_true(c->malformed == 2 && c->unknown == 1 && c->not_finite == 1);
+    char *longest = calloc(1, 40000);
+    assert_non_null(longest);
+    memset(longest, '9', 40000);
+    give(&p, longest, 40000);
+    free(longest);
+    assert_int_equal(c->malformed, 3);
     /* Silence is a loss; the next datagram finds it again. */
     gw_source_poll(p.source, gw_now_ns() + 3 * SECOND, loopback_keep, &kept);
     assert_true(last()->kind == GW_EVENT_LINK && !last()->of.link.up && c->losses == 1);
@@ -131,9 +137,45 @@ static void dtrack_of_one_controller(void **state) {
     snprintf(spec, sizeof spec, "dtrack:127.0.0.1:%u", (unsigned)at.port);
     kept.count = 0;
     pair p = {.source = loopback_source(spec), .to = at, .sender = gw_socket_datagrams(&other, NULL, NULL)};
+    const gw_endpoint controller = {.address = "127.0.0.1", .port = 50107};
+    int opened = gw_socket_datagrams(&controller, NULL, NULL); /* unless somebody has it */
     give_text(&p, "fr 1\r\n6d 1 [0 1.0]" PLAIN "\r\n");
     assert_int_equal(gw_source_count(p.source)->unknown, 1);
     assert_int_equal(kept.count, 0);
+    char text[32] = "";
+    ssize_t size = 0;
+    if (opened >= 0)
+        loopback_until(poll_source(&p),
+                       (size = gw_socket_receive(opened, text, sizeof text, 0, NULL, NULL)) > 0);
+    if (opened >= 0)
+        assert_true(size == 10 && strcmp(text, "fw4dtsdkc") == 0);
+    gw_socket_close(&opened);
+    end(&p);
+}
+
+/* A multicast group, where the machine lets one be joined. */
+static void groups(void **state) {
+    (void)state;
+    const gw_source_options local = {.bind = "127.0.0.1"};
+    gw_endpoint at = {.address = "127.0.0.1"};
+    gw_error why = {0};
+    char spec[64];
+    int held = gw_socket_datagrams(&at, NULL, &at.port); /* a free port */
+    gw_socket_close(&held);
+    snprintf(spec, sizeof spec, "dtrack:239.255.77.1:%u", (unsigned)at.port);
+    pair p = {.sender = gw_socket_datagrams(&(gw_endpoint){.address = "127.0.0.1"}, NULL, NULL),
+              .to = {.address = "239.255.77.1", .port = at.port}};
+    kept.count = 0;
+    if (gw_source_open(spec, &local, &p.source, &why)) {
+        print_message("# no groups here: %s\n", why.text);
+        gw_socket_close(&p.sender);
+        return;
+    }
+    static const char frame[] = "fr 1\r\n6d 1 [0 1.0]" PLAIN "\r\n";
+    if (gw_socket_send_to(p.sender, &p.to, frame, sizeof frame - 1) <= 0)
+        print_message("# no way to groups here\n");
+    else
+        loopback_until(poll_source(&p), loopback_kind(&kept, GW_EVENT_POSE) == 1);
     end(&p);
 }
 
@@ -161,6 +203,49 @@ static void our_sender_and_our_listener(void **state) {
     assert_int_equal(gw_source_count(p.source)->sensors[3].lost, 0);
     gw_server_close(&server);
     end(&p);
+}
+
+/* A frame that takes long must not make what came meanwhile younger: the kernel's time counts. */
+static void arrival_is_the_kernel_s(void **state) {
+    (void)state;
+    pair p;
+    begin(&p, "dtrack");
+    give_text(&p, "fr 1\r\n6d 1 [0 1.0]" PLAIN "\r\n");
+    static const char second[] = "fr 2\r\n6d 1 [0 1.0]" PLAIN "\r\n";
+    usleep(5000);
+    const int64_t before = gw_now_ns();
+    gw_socket_send_to(p.sender, &p.to, second, sizeof second - 1);
+    const int64_t sent = gw_now_ns();
+    usleep(80000);
+    loopback_until(poll_source(&p), gw_source_count(p.source)->packets == 2);
+    const int64_t slack = 1000000; /* between two clocks read one after the other */
+    assert_int_equal(loopback_kind(&kept, GW_EVENT_POSE), 2);
+    assert_true(last()->arrival >= before - slack && last()->arrival <= sent + slack + SECOND / 100);
+    end(&p);
+    /* By TCP the same. */
+    gw_server *server = loopback_server("vrpn:127.0.0.1:0");
+    char spec[64];
+    snprintf(spec, sizeof spec, "Tracker0@127.0.0.1:%u", (unsigned)gw_server_port(server));
+    gw_source *source = loopback_source(spec);
+    kept.count = 0;
+    loopback_until(
+        (gw_server_poll(server, gw_now_ns()), gw_source_poll(source, gw_now_ns(), loopback_keep, &kept)),
+        gw_server_count(server)->pings > 0);
+    for (int i = 0; i < 20; i++) { /* pongs and what else is on its way */
+        gw_source_poll(source, gw_now_ns(), loopback_keep, &kept);
+        usleep(1000);
+    }
+    const gw_tracking_event event = {
+        .kind = GW_EVENT_POSE, .quality = 1, .device_time = SECOND, .of.pose = {.orientation = {0, 0, 0, 1}}};
+    gw_server_send(server, &event);
+    gw_server_poll(server, gw_now_ns());
+    const int64_t left = gw_now_ns();
+    usleep(80000);
+    loopback_until(gw_source_poll(source, gw_now_ns(), loopback_keep, &kept),
+                   loopback_kind(&kept, GW_EVENT_POSE) == 1);
+    assert_true(last()->arrival <= left + slack + SECOND / 100);
+    gw_source_close(&source);
+    gw_server_close(&server);
 }
 
 static void gaze_sequences(void **state) {
@@ -287,6 +372,8 @@ int main(void) {
         cmocka_unit_test(dtrack_dividers),
         cmocka_unit_test(dtrack_of_one_controller),
         cmocka_unit_test(our_sender_and_our_listener),
+        cmocka_unit_test(arrival_is_the_kernel_s),
+        cmocka_unit_test(groups),
         cmocka_unit_test(gaze_sequences),
         cmocka_unit_test(paths),
         cmocka_unit_test(the_mouse),

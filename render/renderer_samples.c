@@ -121,17 +121,17 @@ static gw_code reserve_lists(const gw_frame_job *job, gw_error *error) {
     return code;
 }
 
-static gw_code list_program(const gw_frame_job *job, const char *name, GLuint *out, gw_error *error) {
-    char defines[128] = "";
-    if (job->block.counts[0] > 0)
-        strcat(defines, "#define GAZE 1\n");
-    if (job->key.gaze_seed)
-        strcat(defines, "#define GAZE_SEED 1\n");
-    if (job->block.sampling[1] == 4)
-        strcat(defines, "#define WIDE_SQUARES 1\n");
-    if (job->state->rate_blend)
-        strcat(defines, "#define RATE_BLEND 1\n");
-    return gw_gl_program(job->renderer->device, name, defines, out, error);
+/* Squares of 16 pixels lie in four blocks. */
+static const char *wide_define(const gw_frame_job *job) {
+    return job->block.sampling[1] == 4 ? "#define WIDE_SQUARES 1\n" : "";
+}
+
+static gw_code rates_program(const gw_frame_job *job, const char *wide, GLuint *out, gw_error *error) {
+    char defines[128];
+    snprintf(defines, sizeof defines, "%s%s%s%s", job->block.counts[0] > 0 ? "#define GAZE 1\n" : "",
+             job->key.gaze_seed ? "#define GAZE_SEED 1\n" : "",
+             job->state->rate_blend ? "#define RATE_BLEND 1\n" : "", wide);
+    return gw_gl_program(job->renderer->device, "sample/rates.comp", defines, out, error);
 }
 
 /* The frame block goes to the GPU with the list's grid. */
@@ -139,15 +139,16 @@ gw_code gw_frame_list_samples(gw_frame_job *job, gw_error *error) {
     gw_renderer *renderer = job->renderer;
     gw_gl *device = renderer->device;
     GLuint rates, count, offsets, scatter;
+    const char *wide = wide_define(job);
     place_grid(&job->block);
     const uint64_t groups = (uint64_t)job->block.list[3] / GROUP;
     gw_code code = gw_gl_buffer_write(&renderer->frame, 0, sizeof job->block, &job->block, error);
     if (!code)
         code = reserve_lists(job, error);
     if (!code)
-        code = list_program(job, "sample/rates.comp", &rates, error);
+        code = rates_program(job, wide, &rates, error);
     if (!code)
-        code = list_program(job, "sample/count.comp", &count, error);
+        code = gw_gl_program(device, "sample/count.comp", wide, &count, error);
     if (!code)
         code = gw_gl_program(device, "sample/offsets.comp", NULL, &offsets, error);
     if (!code)
@@ -229,16 +230,20 @@ static gw_code trace_batches(gw_frame_job *job, gw_error *error) {
     return code;
 }
 
-/* Kernels of shaders/blend: their defines beside those that are given. */
-static gw_code blend_program(const gw_frame_job *job, const char *name, const char *more, GLuint *out,
-                             gw_error *error) {
-    const int gazed = job->block.counts[0] > 0;
+/* What a kernel of shaders/blend may ask for: it gets no define that changes nothing in it, so that frames
+ * share kernels. */
+enum { ASKS_GAZE = 1, ASKS_STORE = 2, ASKS_KERNEL = 4, ASKS_EDGES = 8 };
+
+static gw_code blend_program(const gw_frame_job *job, const char *name, int asks, const char *more,
+                             GLuint *out, gw_error *error) {
+    const int gazed = asks & ASKS_GAZE && job->block.counts[0] > 0;
+    const int stores = asks & ASKS_STORE && job->key.features & GW_FEATURE_ACCUMULATE;
+    const int cubic = asks & ASKS_KERNEL && job->state->reconstruction >= GW_RECONSTRUCTION_CUBIC;
     char defines[256];
-    snprintf(defines, sizeof defines, "%s%s%s%s%s%s",
-             job->key.features & GW_FEATURE_ACCUMULATE ? "#define ACCUMULATE 1\n" : "",
-             gazed ? "#define GAZE 1\n" : "", job->key.gaze_seed ? "#define GAZE_SEED 1\n" : "",
-             job->state->reconstruction >= GW_RECONSTRUCTION_CUBIC ? "#define CUBIC 1\n" : "",
-             job->key.guides ? "#define EDGE_AWARE 1\n" : "", more);
+    snprintf(defines, sizeof defines, "%s%s%s%s%s%s", stores ? "#define ACCUMULATE 1\n" : "",
+             gazed ? "#define GAZE 1\n" : "", gazed && job->key.gaze_seed ? "#define GAZE_SEED 1\n" : "",
+             cubic ? "#define CUBIC 1\n" : "",
+             asks & ASKS_EDGES && job->key.guides ? "#define EDGE_AWARE 1\n" : "", more);
     return gw_gl_program(job->renderer->device, name, defines, out, error);
 }
 
@@ -296,17 +301,17 @@ static gw_code dispatch_list(const gw_frame_job *job, GLuint program, uint32_t l
                                    (size_t)list * 4 * sizeof(uint32_t), error);
 }
 
-static gw_code draw_list(const gw_frame_job *job, const char *name, const char *defines, uint32_t list,
-                         gw_error *error) {
+static gw_code draw_list(const gw_frame_job *job, const char *name, int asks, const char *defines,
+                         uint32_t list, gw_error *error) {
     GLuint program;
-    gw_code code = blend_program(job, name, defines, &program, error);
+    gw_code code = blend_program(job, name, asks, defines, &program, error);
     return code ? code : dispatch_list(job, program, list, error);
 }
 
-static gw_code draw_list_of_rate(const gw_frame_job *job, const char *name, const char *defines,
+static gw_code draw_list_of_rate(const gw_frame_job *job, const char *name, int asks, const char *defines,
                                  uint32_t first_list, uint32_t rate, gw_error *error) {
     GLuint program;
-    gw_code code = blend_program(job, name, defines, &program, error);
+    gw_code code = blend_program(job, name, asks, defines, &program, error);
     if (code)
         return code;
     glProgramUniform1ui(program, 0, rate);
@@ -323,19 +328,25 @@ static gw_code draw_patches(const gw_frame_job *job, uint32_t rate, gw_error *er
     const char *soft = soft_define(job, rate);
     char defines[64];
     snprintf(defines, sizeof defines, "#define RATE %u\n%s", rate, soft);
-    gw_code code = draw_list(job, "blend/patches.comp", defines, LIST_REGIONS + rate - 1, error);
+    gw_code code = draw_list(job, "blend/patches.comp", ASKS_STORE | ASKS_KERNEL | ASKS_EDGES, defines,
+                             LIST_REGIONS + rate - 1, error);
     if (!code && job->key.guides)
-        code = draw_list_of_rate(job, "blend/edge_patches.comp", soft, LIST_EDGES, rate, error);
+        code = draw_list_of_rate(job, "blend/edge_patches.comp", ASKS_STORE | ASKS_KERNEL, soft, LIST_EDGES,
+                                 rate, error);
     return code;
 }
 
 static gw_code fill_cells(const gw_frame_job *job, gw_error *error) {
-    const char *soft = softens(job) ? "#define RATE_BLEND 1\n" : "";
+    const int soft = softens(job);
     gw_code code = GW_OK;
-    for (uint32_t rate = 1; rate <= coarsest_rate(job) && !code; ++rate)
-        code = draw_list_of_rate(job, "blend/sample_cells.comp", soft_define(job, rate), LIST_SAMPLED, rate,
-                                 error);
-    return code ? code : draw_list(job, "blend/mixed_cells.comp", soft, LIST_MIXED, error);
+    for (uint32_t rate = 1; rate <= coarsest_rate(job) && !code; ++rate) {
+        const char *falls = soft_define(job, rate);
+        code = draw_list_of_rate(job, "blend/sample_cells.comp", ASKS_EDGES | (*falls ? ASKS_GAZE : 0), falls,
+                                 LIST_SAMPLED, rate, error);
+    }
+    return code ? code
+                : draw_list(job, "blend/mixed_cells.comp", ASKS_EDGES | (soft ? ASKS_GAZE : 0),
+                            soft ? "#define RATE_BLEND 1\n" : "", LIST_MIXED, error);
 }
 
 static gw_code reconstruct(gw_frame_job *job, size_t pixel_slots, gw_error *error) {
@@ -349,14 +360,14 @@ static gw_code reconstruct(gw_frame_job *job, size_t pixel_slots, gw_error *erro
         gw_gl_buffer_bind(&samples->guides, GW_BINDING_GUIDES);
     gw_code code = reserve_blending(job, pixel_slots, error);
     if (!code)
-        code = gw_gl_program(renderer->device, "blend/list_regions.comp",
-                             coarsest == 4 ? "#define WIDE_SQUARES 1\n" : NULL, &list, error);
+        code = gw_gl_program(renderer->device, "blend/list_regions.comp", wide_define(job), &list, error);
     if (!code)
         code = gw_gl_dispatch(renderer->device, list, (uint64_t)job->block.list[3] / GROUP, error);
     if (!code)
-        code = draw_list(job, "blend/fine_blocks.comp", "", LIST_OWN, error);
+        code = draw_list(job, "blend/fine_blocks.comp", ASKS_STORE, "", LIST_OWN, error);
     if (!code && softens(job))
-        code = draw_list(job, "blend/fine_blocks.comp", "#define SOFT 1\n", LIST_SOFT, error);
+        code = draw_list(job, "blend/fine_blocks.comp", ASKS_STORE | ASKS_GAZE, "#define SOFT 1\n", LIST_SOFT,
+                         error);
     if (!code && coarsest > 0)
         code = fill_cells(job, error);
     gw_gl_texture_bind(&samples->cell_colors, GW_UNIT_CELL_COLORS);

@@ -83,8 +83,7 @@ static gw_code list_rays(gw_frame_job *job, size_t slots, int resume, uint32_t k
         glProgramUniform1ui(job->shade, 3, kept_begin);
     }
     if (!code)
-        code = gw_gl_dispatch(job->renderer->device, program, (slots + GW_BLOCK_PIXELS - 1) / GW_BLOCK_PIXELS,
-                              error);
+        code = gw_frame_dispatch(job, program, slots, error);
     if (!code)
         code = gw_renderer_read_totals(job->renderer, totals, error);
     if (!code) {

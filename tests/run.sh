@@ -25,6 +25,9 @@ export GAZEWALL
 export CMOCKA_MESSAGE_OUTPUT=tap
 # Octrees that the tests keep are theirs alone.
 export XDG_CACHE_HOME=$scratch/cache
+# Kernels that software GL has translated once serve the next run: most of the time of the tests of kind gpu.
+MESA_SHADER_CACHE_DIR=$(cd "$tree" && pwd)/shader-cache
+export MESA_SHADER_CACHE_DIR
 # The packaged GL and MPI libraries leak at exit; leaks of our own are looked for in the tests that use neither.
 export UBSAN_OPTIONS="${UBSAN_OPTIONS:-print_stacktrace=1:halt_on_error=1}"
 

@@ -21,7 +21,9 @@ typedef struct gw_bench {
     uint32_t repeats; /* 0: the bench's own number */
     uint32_t frames;  /* of benches that follow a camera path; 0: the bench's own number */
     const char *path; /* its name or number; NULL: the scene's first */
-    int point_light;  /* of modes: one point light instead of the scene's lights, as in the paper */
+    double density;  /* of modes: px a degree at the middle of the path's pictures; 0: the path's own angle */
+    int times_only;  /* of modes: no errors, no flicker */
+    int point_light; /* of modes: one point light instead of the scene's lights, as in the paper */
     uint32_t size[2]; /* px, of benches that trace a picture; 0: the bench's own */
     size_t scene_count;
     const char *scenes[64]; /* of benches that take several; none: draw.scene */

@@ -96,11 +96,12 @@ static gw_code compare(drawing *d, gw_mode_outcome *o, int second, gw_error *err
 
 /* Work and error of every mode, once, in the present view. */
 static gw_code inspect_view(drawing *d, int second, gw_error *error) {
+    const int compared = !d->modes->bench->times_only;
     gw_frame_state full = state_of(d, GW_MODE_EXACT);
     full.samples = REFERENCE_SAMPLES;
     gw_image_finish(&d->seen_reference);
-    gw_code code = draw(d, d->renderer, &full, &d->reference, NULL, error);
-    if (!code)
+    gw_code code = compared ? draw(d, d->renderer, &full, &d->reference, NULL, error) : GW_OK;
+    if (!code && compared)
         code = filter(d, &d->reference, &d->seen_reference, error);
     for (int i = 0; i < GW_MODE_COUNT && !code; i++) {
         gw_mode_outcome *o = &d->modes->outcomes[i];
@@ -110,7 +111,7 @@ static gw_code inspect_view(drawing *d, int second, gw_error *error) {
             gw_flicker_cut(&o->seen);
         }
         code = draw(d, d->counting, &state, &d->picture, second ? NULL : &o->counters, error);
-        if (!code)
+        if (!code && compared)
             code = compare(d, o, second, error);
     }
     return code;
@@ -145,9 +146,10 @@ static gw_code visit(drawing *d, uint32_t station, gw_error *error) {
         code = inspect_view(d, 0, error);
     if (!code)
         code = time_view(d, station, error);
-    if (!code && m->path.path)
+    const int pair = m->path.path && !m->bench->times_only;
+    if (!code && pair)
         code = gw_bench_view_at(&m->path, frame + 1, &d->view, error);
-    if (!code && m->path.path)
+    if (!code && pair)
         code = inspect_view(d, 1, error);
     gw_log_progress(&m->bench->console.log, "drawing along the path", (double)(station + 1) / m->stations);
     return code;

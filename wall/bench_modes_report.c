@@ -66,16 +66,18 @@ static json_t *mode_json(const gw_bench_modes *m, const gw_mode_outcome *o) {
     json_t *times = json_array();
     for (uint32_t s = 0; s < m->stations; s++)
         json_array_append_new(times, json_real(o->ms[s]));
-    json_t *flicker = m->path.path ? flicker_json(&o->flicker) : json_null();
-    json_t *seen = m->path.path ? flicker_json(&o->seen_flicker) : json_null();
+    const int compared = !m->bench->times_only, pairs = compared && m->path.path;
+    json_t *flicker = pairs ? flicker_json(&o->flicker) : json_null();
+    json_t *seen = pairs ? flicker_json(&o->seen_flicker) : json_null();
     return json_pack(
-        "{s:s, s:s, s:{s:I, s:I, s:I, s:I, s:I, s:I, s:I}, s:o, s:f, s:f, s:f, s:f, s:f, s:f, s:o, s:o}",
+        "{s:s, s:s, s:{s:I, s:I, s:I, s:I, s:I, s:I, s:I}, s:o, s:f, s:f, s:f, s:f, s:o, s:o, s:o, s:o}",
         "name", o->name, "what", o->what, "counters", "rays", (json_int_t)c->rays, "steps",
         (json_int_t)c->steps, "node_loads", (json_int_t)c->node_loads, "triangle_tests",
         (json_int_t)c->triangle_tests, "voxels", (json_int_t)c->voxels, "voxel_rays",
         (json_int_t)c->voxel_rays, "shadow_rays", (json_int_t)c->shadow_rays, "ms", times, "mean_ms",
         o->mean_ms, "frame_rate", 1000 / o->mean_ms, "ratio", o->ratio, "voxel_share", voxel_share(o), "flip",
-        o->flip, "seen_flip", o->seen_flip, "flicker", flicker, "seen_flicker", seen);
+        compared ? json_real(o->flip) : json_null(), "seen_flip",
+        compared ? json_real(o->seen_flip) : json_null(), "flicker", flicker, "seen_flicker", seen);
 }
 
 static void report_modes(const gw_bench_modes *m) {
@@ -113,13 +115,16 @@ static gw_code write_rows(const gw_bench_modes *m, gw_error *error) {
     for (int i = 0; i < GW_MODE_COUNT; i++) {
         const gw_mode_outcome *o = &m->outcomes[i];
         const gw_flicker_result *f = &o->flicker, *seen = &o->seen_flicker;
-        fprintf(stream, "%s,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.3f,%.3f,%.4f,%.5f,%.5f,", o->name,
+        fprintf(stream, "%s,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.3f,%.3f,%.4f,", o->name,
                 per_pixel(m, o->counters.rays), per_pixel(m, o->counters.shadow_rays),
                 per_pixel(m, o->counters.steps), per_pixel(m, o->counters.node_loads),
                 per_pixel(m, o->counters.triangle_tests), per_pixel(m, o->counters.voxels), voxel_share(o),
-                o->mean_ms, 1000 / o->mean_ms, o->ratio, o->flip, o->seen_flip);
-        fprintf(stream, "%.5f,%.5f,%.5f,%.5f,%.5f,%.5f\n", f->mean, f->percentile, f->pop, seen->mean,
-                seen->percentile, seen->pop);
+                o->mean_ms, 1000 / o->mean_ms, o->ratio);
+        if (m->bench->times_only)
+            fputs(",,,,,,,\n", stream);
+        else
+            fprintf(stream, "%.5f,%.5f,%.5f,%.5f,%.5f,%.5f,%.5f,%.5f\n", o->flip, o->seen_flip, f->mean,
+                    f->percentile, f->pop, seen->mean, seen->percentile, seen->pop);
     }
     fclose(stream);
     gw_code code = gw_bench_write(m->bench, "modes", text, size, error);
@@ -161,6 +166,8 @@ static void print_table(const gw_bench_modes *m) {
                per_pixel(m, o->counters.triangle_tests), per_pixel(m, o->counters.voxels),
                100 * voxel_share(o), o->mean_ms, 1000 / o->mean_ms, o->ratio);
     }
+    if (m->bench->times_only)
+        return;
     printf("              FLIP    seen   flicker: mean    99 %%     pop   seen: mean    99 %%     pop\n");
     for (int i = 0; i < GW_MODE_COUNT; i++) {
         const gw_mode_outcome *o = &m->outcomes[i];
@@ -188,7 +195,8 @@ void gw_modes_print(const gw_bench_modes *m) {
     printf(" on %s, %s clock%s\n", gw_gl_limits_of(m->bench->model.device)->renderer,
            m->by_processor ? "processor" : "wall",
            m->bench->point_light ? "; one point light instead of the scene's" : "");
-    printf("  errors to 16 exact rays a pixel, plain and as seen by a viewer who looks at the centre\n");
+    if (!m->bench->times_only)
+        printf("  errors to 16 exact rays a pixel, plain and as seen by a viewer who looks at the centre\n");
     print_table(m);
     for (int i = 0; i < VERDICTS; i++)
         printf("  %s: %.2f over the path, %.2f in the worst frame: %s\n", judged[i].what, judged[i].value,

@@ -5,16 +5,23 @@
 #include "wall/frames.h"
 #include "wall/sim_options.h"
 
+#include <math.h>
 #include <string.h>
 
 gw_code gw_bench_path_open(const gw_bench *bench, uint32_t side, gw_bench_path *out, gw_error *error) {
     const gw_scene *scene = bench->model.scene;
-    *out = (gw_bench_path){.scene = scene, .size = {side, side}};
+    *out = (gw_bench_path){.scene = scene, .size = {side, side}, .density = bench->density};
     if (bench->size[0])
         memcpy(out->size, bench->size, sizeof out->size);
     if (bench->path)
         return gw_camera_path_find(scene, bench->path, &out->path, error);
     out->path = scene->path_count ? &scene->paths[0] : NULL;
+    if (!out->path && bench->density > 0)
+        return gw_fail(
+            error, GW_BAD_INPUT,
+            "--density is for pictures of a camera path, and '%s' has none: add one under 'paths', or "
+            "leave it out",
+            scene->path);
     return GW_OK;
 }
 
@@ -35,6 +42,12 @@ static gw_code wall_view(const gw_bench_path *path, gw_bench_view *out, gw_error
     return GW_OK;
 }
 
+/* Vertical, deg. */
+static double angle_of(const gw_bench_path *path) {
+    const double wide = path->density > 0 ? tan(GW_PI / 180) / path->density * path->size[1] : 0;
+    return path->density > 0 ? 2 * atan(wide / 2) * 180 / GW_PI : path->path->fov;
+}
+
 static gw_code path_view(const gw_bench_path *path, uint32_t frame, gw_bench_view *out, gw_error *error) {
     const double up[3] = {0, 1, 0};
     const gw_camera_key *keys = path->path->keys;
@@ -42,7 +55,7 @@ static gw_code path_view(const gw_bench_path *path, uint32_t frame, gw_bench_vie
     double eye[3], look_at[3];
     gw_perspective camera;
     gw_camera_path_at(path->path, first + (last - first) * frame / (GW_PATH_FRAMES - 1), eye, look_at);
-    gw_code code = gw_perspective_of(eye, look_at, up, path->path->fov, path->size, &camera, error);
+    gw_code code = gw_perspective_of(eye, look_at, up, angle_of(path), path->size, &camera, error);
     if (code)
         return code;
     out->placement = camera.placement;

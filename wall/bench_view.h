@@ -14,6 +14,7 @@ typedef struct gw_bench_path {
     const gw_scene *scene;
     const gw_camera_path *path; /* NULL: the default wall, which stands still */
     uint32_t size[2];           /* px */
+    double density;             /* px a degree at the middle of the path's pictures; 0: by the path's angle */
 } gw_bench_path;
 
 typedef struct gw_bench_view {

@@ -50,7 +50,17 @@ typedef struct bench_options {
     const bench_kind *kind;
 } bench_options;
 
-enum { KEY_OUT = 0x5000, KEY_QUICK, KEY_REPEATS, KEY_SIZE, KEY_FRAMES, KEY_PATH, KEY_POINT_LIGHT };
+enum {
+    KEY_OUT = 0x5000,
+    KEY_QUICK,
+    KEY_REPEATS,
+    KEY_SIZE,
+    KEY_FRAMES,
+    KEY_PATH,
+    KEY_POINT_LIGHT,
+    KEY_DENSITY,
+    KEY_TIMES_ONLY
+};
 
 static const struct argp_option options_table[] = {
     {"out", KEY_OUT, "FOLDER", 0, "write WHAT.csv and WHAT.json there; made if missing", 1},
@@ -64,6 +74,13 @@ static const struct argp_option options_table[] = {
     {"path", KEY_PATH, "NAME", 0, "camera path that modes follows, by name or number; default: the first", 1},
     {"point-light", KEY_POINT_LIGHT, NULL, 0,
      "modes: one point light with hard shadows instead of the scene's lights, as in the paper", 1},
+    {"density", KEY_DENSITY, "N", 0,
+     "modes: pictures of the path are as fine as a wall seen from near, N px a degree at their middle, "
+     "however "
+     "wide that makes them; 55 is a panel of 55 inches at 2 m",
+     1},
+    {"times-only", KEY_TIMES_ONLY, NULL, 0,
+     "modes: leaves out errors and flicker, which take most of the bench's time", 1},
     {"frames", KEY_FRAMES, "N", 0,
      "1 to 64, default 4 (quick 2): pairs of frames on that path; frames of aliasing, default 12 (quick 3)",
      1},
@@ -134,6 +151,12 @@ static error_t parse_bench(int key, char *argument, struct argp_state *state) {
     case KEY_FRAMES:
         code = gw_parse_integer("--frames", argument, 1, 64, &integer, error);
         o->bench.frames = (uint32_t)integer;
+        break;
+    case KEY_DENSITY:
+        code = gw_parse_number("--density", argument, 1, 1000, &o->bench.density, error);
+        break;
+    case KEY_TIMES_ONLY:
+        o->bench.times_only = 1;
         break;
     case KEY_POINT_LIGHT:
         o->bench.point_light = 1;
@@ -288,6 +311,8 @@ static gw_code check_heeded(const bench_options *o, gw_error *error) {
                        : bench->frames && !modes && !aliasing ? "--frames"
                        : bench->path && !modes                ? "--path"
                        : bench->point_light && !modes         ? "--point-light"
+                       : bench->density > 0 && !modes         ? "--density"
+                       : bench->times_only && !modes          ? "--times-only"
                                                               : NULL;
     if (lost)
         return gw_fail(error, GW_BAD_INPUT, "bench %s has no use for %s; leave it out", o->kind->name, lost);

@@ -120,10 +120,16 @@ is "flicker of modes that alias" \
 is "verdicts and plotted times" "$(json "$folder/along/modes.json" '["bench"]["verdicts"].__len__()') $(ls "$folder/along/modes-time.svg")" \
     "3 $folder/along/modes-time.svg"
 "$program" bench modes --quick --size 48x48 --frames 1 "${on_path[@]}" --point-light --out "$folder/point"
-"$program" bench modes --quick --size 48x48 --frames 1 "${on_path[@]}" --point-light --forbid-effect shadows --out "$folder/dark"
+"$program" bench modes --quick --size 48x48 --frames 1 "${on_path[@]}" --point-light --forbid-effect shadows --density 20 --times-only \
+    --out "$folder/dark"
 is "one shadow ray for one light, where anything is lit" \
     "$(json "$folder/point/modes.json" '["bench"]["modes"][0]["counters"] and 0 < d["bench"]["modes"][0]["counters"]["shadow_rays"] <= 48 * 48')" True
 is "none where shadows are forbidden" "$(json "$folder/dark/modes.json" '["bench"]["modes"][0]["counters"]["shadow_rays"]')" 0
+is "a path seen as finely as a wall, and times only" \
+    "$(json "$folder/dark/modes.json" '["bench"] and (round(d["bench"]["pixels_per_degree"], 2), d["bench"]["modes"][0]["flip"])')" "(20.0, None)"
+is "with nothing in the columns that were not measured" "$(sed -n 2p "$folder/dark/modes.csv" | grep -o ',*$')" ",,,,,,,,"
+expect "a density without a path" 2 "has none: add one under 'paths'" bench modes "${scene[@]}" --density 20
+expect "a density that is not heeded" 2 "no use for --density" bench build "${scene[@]}" --density 20
 expect "a path that is none" 2 "has no camera path 'walk'; it has 1, the first is 'round'" bench modes "${on_path[@]}" --path walk
 "$program" render "${on_path[@]}" --path round --time 9 --size 32x32 --out "$folder/on-path.png"
 "$program" render "${on_path[@]}" --eye 5,2,4 --look-at 0,0,0 --fov 50 --size 32x32 --out "$folder/eye.png"

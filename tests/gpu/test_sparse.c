@@ -452,6 +452,22 @@ static void forced_without_need_changes_nothing(void **state) {
     gw_renderer_destroy(&forced);
 }
 
+/* What stands in the buffers of another frame, of more rays, is no ray of this one. */
+static void rays_that_are_skipped_cast_no_shadows(void **state) {
+    gw_renderer *fresh = gw_stage_renderer(&stage);
+    gw_camera many = camera;
+    gw_counters first = {0}, again = {0};
+    (void)state;
+    many.state.gaze_count = 0;
+    many.state.samples = 2;
+    free(picture(&camera, fresh, &first));
+    free(picture(&many, fresh, NULL));
+    free(picture(&camera, fresh, &again));
+    assert_true(first.shadow_rays > 0 && first.shadow_rays < 2 * first.rays);
+    assert_int_equal(first.shadow_rays, again.shadow_rays);
+    gw_renderer_destroy(&fresh);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rates_fall_with_eccentricity),
@@ -466,6 +482,7 @@ int main(void) {
         cmocka_unit_test(a_tall_tile_is_drawn_in_pieces),
         cmocka_unit_test(sharp_blocks_are_those_of_the_full_picture),
         cmocka_unit_test(forced_without_need_changes_nothing),
+        cmocka_unit_test(rays_that_are_skipped_cast_no_shadows),
     };
     return cmocka_run_group_tests(tests, open_stage, close_stage);
 }

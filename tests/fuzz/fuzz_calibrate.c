@@ -1,5 +1,4 @@
-/* libFuzzer: clang -fsanitize=fuzzer,address -D_GNU_SOURCE -ffp-contract=off -I. tests/fuzz/fuzz_calibrate.c
- * wall/calibrate_file.c tracking/calibrate.c tracking/room.c base/yaml.c base/suggest.c ... -lyaml
+/* libFuzzer: make fuzz ONLY=calibrate
  * The first byte says which of both files the rest is. */
 #include "tests/fuzz/calibrate_entry.h"
 

@@ -82,6 +82,7 @@ static inline void fuzz_site(const uint8_t *data, size_t size) {
     fuzz_site_require(gw_site_write(&site, &text, &length, &error) == GW_OK);
     fuzz_site_require(gw_site_parse(text, length, "again", &again, &notes, &error) == GW_OK);
     fuzz_site_sound(&again);
+    fuzz_site_require(memcmp(&site.trackers, &again.trackers, sizeof site.trackers) == 0);
     free(text);
 }
 

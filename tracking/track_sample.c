@@ -1,6 +1,7 @@
 /* What a track says at a moment, and the demo track. */
 #include "base/embedded.h"
 #include "base/portable_math.h"
+#include "tracking/quaternion.h"
 #include "tracking/track.h"
 
 #include <math.h>
@@ -116,22 +117,6 @@ void gw_track_at(const gw_track *track, uint32_t viewer, int64_t time, gw_track_
         out->confidence = fall <= 0.0 ? 1.0 : fall >= 1.0 ? 0.0 : 1.0 - fall;
 }
 
-/* The shortest rotation from (0,0,-1) to a unit direction. */
-static void orientation_towards(const double direction[3], double q[4]) {
-    if (direction[2] > 1.0 - 1e-12) { /* straight back: every half turn will do */
-        q[0] = q[2] = q[3] = 0.0;
-        q[1] = 1.0;
-        return;
-    }
-    q[0] = direction[1]; /* (0,0,-1) x direction */
-    q[1] = -direction[0];
-    q[2] = 0.0;
-    q[3] = 1.0 - direction[2];
-    double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[3] * q[3]);
-    for (int i = 0; i < 4; i++)
-        q[i] /= length;
-}
-
 gw_code gw_track_demo(double width, double height, gw_track **out, gw_error *error) {
     *out = NULL;
     if (!(width > 0.0 && height > 0.0 && isfinite(width) && isfinite(height)))
@@ -161,7 +146,7 @@ gw_code gw_track_demo(double width, double height, gw_track **out, gw_error *err
         }
         for (int axis = 0; axis < 3; axis++)
             direction[axis] /= sqrt(length);
-        orientation_towards(direction, report->orientation);
+        gw_turn_onto(direction, report->orientation);
     }
     return GW_OK;
 }

@@ -204,6 +204,9 @@ static int take_flystick(text_line *line, int old, gw_dtrack_frame *frame) {
     if (old) {
         made.button_count = 8;
         made.buttons = head[2] >= 0 && head[2] <= 255 ? (uint32_t)head[2] : 0;
+        made.axis_count = 2; /* its hat, which the vendor's readers take for a joystick */
+        made.axes[0] = made.buttons & 0x20 ? -1 : made.buttons & 0x80 ? 1 : 0;
+        made.axes[1] = made.buttons & 0x10 ? -1 : made.buttons & 0x40 ? 1 : 0;
     } else if (!is_id(head[2], 129) || !is_id(head[3], 129) || take_controls(line, head[2], head[3], &made))
         return -1;
     if (is_id(head[0], GW_DTRACK_FLYSTICKS))

@@ -12,7 +12,7 @@
 
 static const int64_t LISTED = 100000000; /* ns */
 static const int64_t DAY = INT64_C(86400) * 1000000000;
-enum { TEXT = 16384 };
+enum { TEXT = 16384, BUTTONS = 16 /* the vendor's own readers refuse a Flystick with more */ };
 
 typedef struct dtrack_sender {
     gw_server base;
@@ -52,7 +52,7 @@ static void take_control(dtrack_sender *s, const gw_tracking_event *e) {
 static void send_event(gw_server *server, const gw_tracking_event *e, int64_t time) {
     dtrack_sender *s = (dtrack_sender *)server;
     const int room = e->kind == GW_EVENT_POSE     ? GW_DTRACK_BODIES
-                     : e->kind == GW_EVENT_BUTTON ? GW_DTRACK_BUTTONS
+                     : e->kind == GW_EVENT_BUTTON ? BUTTONS
                      : e->kind == GW_EVENT_ANALOG ? GW_DTRACK_AXES
                                                   : 0;
     if (e->sensor >= room) {

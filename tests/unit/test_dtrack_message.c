@@ -85,6 +85,8 @@ static void flysticks_and_hybrids(void **state) {
     assert_true(f[0].axes[0] == 0.5 && f[0].axes[1] == -1);
     assert_true(!f[1].pose.tracked && f[1].pose.listed && f[1].buttons == 1 && f[1].axes[1] == 0.25);
     assert_int_equal(frame.malformed, 0);
+    assert_true(read_text("fr 6\r\n6df 1 [0 1.0 97]" PLAIN "\r\n")); /* the hat to the left and up */
+    assert_true(f[0].buttons == 97 && f[0].axis_count == 2 && f[0].axes[0] == -1 && f[0].axes[1] == 1);
 }
 
 static void hostile_datagrams(void **state) {

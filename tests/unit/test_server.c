@@ -300,6 +300,9 @@ static void dtrack_frames(void **state) {
     event = (gw_tracking_event){.kind = GW_EVENT_BUTTON, .sensor = 2, .device_time = event.device_time};
     event.of.button.pressed = 1;
     gw_server_send(server, &event);
+    event.sensor = 16; /* more buttons than readers take */
+    gw_server_send(server, &event);
+    assert_int_equal(gw_server_count(server)->unsendable, 1);
     event = (gw_tracking_event){
         .kind = GW_EVENT_GAZE, .sensor = 1, .device_time = event.device_time, .quality = 1};
     event.of.gaze.direction[0] = 1; /* to the right: a quarter turn about -y */

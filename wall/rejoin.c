@@ -100,9 +100,11 @@ static gw_code load(gw_rank *rank, const gw_rejoin_keys *keys, gw_error *error) 
     if (!code)
         code = gw_rank_create_renderer(rank, error);
     gw_log_write(&rank->line.log, GW_LOG_DEBUG,
-                 "tile %s: read from the cache in %.0f ms, device and renderer in %.0f ms",
+                 "tile %s: read from the cache in %.0f ms, device and renderer in %.0f ms, %.0f ms of "
+                 "processor since it "
+                 "began",
                  rank->site.layout.tiles[rank->number].name, (double)(restored - begin) * 1e-6,
-                 (double)(gw_now_ns() - restored) * 1e-6);
+                 (double)(gw_now_ns() - restored) * 1e-6, (double)gw_processor_ns() * 1e-6);
     return code;
 }
 

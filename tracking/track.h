@@ -1,5 +1,5 @@
 /* Tracks: the heads and gazes of a recording (tracking/recording.h) by the plain convention of
- * docs/tracks.md, and what they say at a moment.
+ * docs/tracks.md.
  *
  * Of one device: poses of up to four viewers, each with a head sensor and, if there is one, a gaze sensor
  * whose orientation is the gaze (its -z axis), or gaze events. Poses are in wall space: millimetres,
@@ -77,22 +77,5 @@ gw_code gw_track_parse(const void *data, size_t size, const char *name, const gw
  * one at the corresponding point. */
 gw_code gw_track_demo(double width, double height, gw_track **out, gw_error *error);
 void gw_track_destroy(gw_track **track);
-
-/* Head and gaze of one viewer at a moment; ages say how old the reports behind them are. */
-typedef struct gw_track_sample {
-    int has_head, has_gaze;
-    double eye[3];              /* mm */
-    double head_right[3];       /* unit, wall space: from the left eye to the right one */
-    double gaze_direction[3];   /* unit, wall space */
-    int64_t head_age, gaze_age; /* ns between the moment and the sensor's last report at or before it; before
-                                   its first one, between the moment and that */
-    double confidence; /* 0..1, of the older of both ages: 1 up to 0.1 s, falling to 0 at 0.5 s without
-                          reports */
-} gw_track_sample;
-
-/* Of viewer 0 to GW_TRACK_VIEWERS - 1. Interpolates (position linear, orientation slerp on the shorter way)
- * between the reports around time (ns, clamped to the track). A gaze sensor's orientation turns (0,0,-1) onto
- * the gaze. The eye is the head sensor's position. */
-void gw_track_at(const gw_track *track, uint32_t viewer, int64_t time, gw_track_sample *out);
 
 #endif

@@ -1,6 +1,7 @@
 #include "tests/support/check.h"
 
 #include "tests/support/tracks.h"
+#include "tracking/gaze_model.h"
 #include "tracking/player.h"
 #include "tracking/quaternion.h"
 
@@ -41,4 +42,33 @@ gw_tracker_view view_of_track(const gw_track *track, int64_t time, const double 
     gw_tracker_destroy(&tracker);
     gw_player_close(&player);
     return view;
+}
+
+static int pose_at(const gw_track *track, int sensor, int64_t time, double place[3], double turn[4]) {
+    const size_t count = track->sensor_count[sensor];
+    size_t next = 0;
+    if (!count)
+        return 0;
+    while (next < count && track->reports[track->sensor_reports[sensor][next]].time <= time)
+        next++;
+    const gw_pose_report *a = &track->reports[track->sensor_reports[sensor][next ? next - 1 : 0]],
+                         *b = &track->reports[track->sensor_reports[sensor][next < count ? next : count - 1]];
+    const double t = b->time > a->time ? (double)(time - a->time) / (double)(b->time - a->time) : 0;
+    double along = 0;
+    for (int i = 0; i < 4; i++)
+        along += a->orientation[i] * b->orientation[i];
+    for (int i = 0; i < 3; i++)
+        place[i] = a->position[i] + t * (b->position[i] - a->position[i]);
+    for (int i = 0; i < 4; i++)
+        turn[i] = (1 - t) * a->orientation[i] + (along < 0 ? -t : t) * b->orientation[i];
+    return gw_turn_normalise(turn);
+}
+
+void sample_track(const gw_track *track, uint32_t viewer, int64_t time, track_sample *out) {
+    double turn[4], place[3];
+    memset(out, 0, sizeof *out);
+    out->has_head = pose_at(track, 2 * (int)viewer + GW_SENSOR_HEAD, time, out->eye, turn);
+    out->has_gaze = pose_at(track, 2 * (int)viewer + GW_SENSOR_GAZE, time, place, turn);
+    if (out->has_gaze)
+        gw_gaze_along(turn, out->gaze_direction);
 }

@@ -72,8 +72,8 @@ static void the_track_speaks(void **state) {
     gw_frame_begin(&s, 0, &settings, 0, GW_DEBUG_NONE);
     gw_tracker_view view = view_of_track(track, track->duration / 3, neutral, &settings);
     gw_frame_look(&s, &view, &settings);
-    gw_track_sample sample;
-    gw_track_at(track, 0, track->duration / 3, &sample);
+    track_sample sample;
+    sample_track(track, 0, track->duration / 3, &sample);
     assert_true(sample.has_head && sample.has_gaze);
     assert_int_equal(s.gaze_count, 1);
     for (int i = 0; i < 3; i++) {
@@ -83,7 +83,7 @@ static void the_track_speaks(void **state) {
     assert_true(s.gazes[0].half_width == (float)settings.gaze_half_width);
     /* At the moment of a sample it is that sample; one that nobody filters or predicts always is. */
     view = view_of_track(track, 1000000000, neutral, &settings);
-    gw_track_at(track, 0, 1000000000, &sample);
+    sample_track(track, 0, 1000000000, &sample);
     assert_memory_equal(view.viewers[0].eye, sample.eye, sizeof sample.eye);
     /* In a saccade, and of a gaze that is known less surely, the ellipsoid is wider; not without end. */
     view.viewers[0].gaze_widening = 5;

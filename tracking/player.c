@@ -8,8 +8,7 @@
 enum { KNOWN_SENSORS = 1024 }; /* of all senders; the first events of more are taken in their turn */
 
 struct gw_player {
-    const gw_recorded_event *events; /* borrowed, or `own` */
-    gw_recorded_event *own;
+    const gw_recorded_event *events; /* borrowed */
     size_t count, next;
     uint8_t *is_first; /* [count]: given at the beginning */
     int8_t sources[GW_RECORDING_SENDERS];
@@ -47,60 +46,28 @@ static void find_first(gw_player *player) {
     }
 }
 
-static gw_code open_player(const gw_recorded_event *events, size_t count, int64_t delay, gw_player **out,
-                           gw_error *error) {
+/* --- opening */
+
+gw_code gw_player_open(const gw_recording *recording, const int8_t *sources, int64_t delay, gw_player **out,
+                       gw_error *error) {
     void *memory = NULL, *first = NULL;
     *out = NULL;
     gw_code code = gw_allocate(&memory, 1, sizeof(gw_player), "player", error);
     if (!code)
-        code = gw_allocate(&first, count, 1, "player", error);
+        code = gw_allocate(&first, recording->count, 1, "player", error);
     gw_player *player = memory;
     if (code) {
         free(player);
         return code;
     }
-    player->events = events;
-    player->count = count;
+    player->events = recording->events;
+    player->count = recording->count;
     player->delay = delay;
     player->is_first = first;
+    memcpy(player->sources, sources, recording->sender_count * sizeof *sources);
     find_first(player);
     *out = player;
     return GW_OK;
-}
-
-/* --- opening */
-
-gw_code gw_player_open(const gw_recording *recording, const int8_t *sources, int64_t delay, gw_player **out,
-                       gw_error *error) {
-    gw_code code = open_player(recording->events, recording->count, delay, out, error);
-    if (!code)
-        memcpy((*out)->sources, sources, recording->sender_count * sizeof *sources);
-    return code;
-}
-
-gw_code gw_player_open_track(const gw_track *track, int64_t delay, gw_player **out, gw_error *error) {
-    void *memory = NULL;
-    gw_code code = gw_allocate(&memory, track->report_count, sizeof(gw_recorded_event), "player", error);
-    if (code)
-        return code;
-    gw_recorded_event *events = memory;
-    for (size_t i = 0; i < track->report_count; i++) {
-        const gw_pose_report *report = &track->reports[i];
-        gw_tracking_event *event = &events[i].event;
-        *event = (gw_tracking_event){.kind = GW_EVENT_POSE,
-                                     .sensor = report->sensor,
-                                     .arrival = report->time,
-                                     .device_time = GW_NO_TIME,
-                                     .quality = 1};
-        memcpy(event->of.pose.position, report->position, sizeof report->position);
-        memcpy(event->of.pose.orientation, report->orientation, sizeof report->orientation);
-    }
-    code = open_player(events, track->report_count, delay, out, error);
-    if (code)
-        free(events);
-    else
-        (*out)->own = events;
-    return code;
 }
 
 void gw_player_track_setup(gw_tracker_setup *out) {
@@ -111,7 +78,6 @@ void gw_player_track_setup(gw_tracker_setup *out) {
 void gw_player_close(gw_player **player) {
     if (!*player)
         return;
-    free((*player)->own);
     free((*player)->is_first);
     free(*player);
     *player = NULL;

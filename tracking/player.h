@@ -9,7 +9,6 @@
 
 #include "base/status.h"
 #include "tracking/recording.h"
-#include "tracking/track.h"
 #include "tracking/tracker.h"
 
 #include <stdint.h>
@@ -20,8 +19,7 @@ typedef struct gw_player gw_player;
  * recording must live as long as the player. delay: ns by which everything arrives later than recorded. */
 gw_code gw_player_open(const gw_recording *recording, const int8_t *sources, int64_t delay, gw_player **out,
                        gw_error *error);
-/* A track's reports as source 0, in millimetres and wall axes (gw_player_track_setup()); copied. */
-gw_code gw_player_open_track(const gw_track *track, int64_t delay, gw_player **out, gw_error *error);
+/* For a recording in millimetres and wall axes, as the demo track is: it is source 0. */
 void gw_player_track_setup(gw_tracker_setup *out);
 void gw_player_close(gw_player **player);
 

@@ -3,7 +3,6 @@
 
 #include "tracking/track.h"
 #include "wall/report.h"
-#include "wall/verbs.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -74,48 +73,18 @@ static void print_channel(const gw_recording *recording, const gw_recording_chan
         printf("%s link: %" PRIu64 " changes\n", name, c->events);
 }
 
-typedef struct row {
-    const char *key, *text;
-    uint64_t count;
-} row;
-
-enum { SKIPPED = 7, ROWS = 20 };
-
-/* All counters; the first SKIPPED ones are records of which nothing came. */
-static void list_counters(const gw_recording_counters *c, row rows[ROWS]) {
-    const row all[ROWS] = {{"other_type", "of other types", c->other_type},
-                           {"unknown_type", "of unknown types", c->unknown_type},
-                           {"unknown_sender", "of unknown senders", c->unknown_sender},
-                           {"bad_payload", "of wrong size or name", c->bad_payload},
-                           {"bad_sensor", "of bad sensors", c->bad_sensor},
-                           {"not_finite", "not finite", c->not_finite},
-                           {"unread_texts", "texts beyond the first",
-                            c->texts > GW_RECORDING_NOTES ? c->texts - GW_RECORDING_NOTES : 0},
-                           {"bytes", NULL, c->bytes},
-                           {"records", NULL, c->records},
-                           {"used", NULL, c->used},
-                           {"poses", NULL, c->poses},
-                           {"gazes", NULL, c->gazes},
-                           {"buttons", NULL, c->buttons},
-                           {"analogs", NULL, c->analogs},
-                           {"links", NULL, c->links},
-                           {"stamps", NULL, c->stamps},
-                           {"texts", NULL, c->texts},
-                           {"descriptions", NULL, c->descriptions},
-                           {"out_of_order", NULL, c->out_of_order},
-                           {"clock_steps", NULL, c->clock_steps}};
-    for (int i = 0; i < ROWS; i++)
-        rows[i] = all[i];
-}
-
 static void print_counters(const gw_recording_counters *c) {
-    row rows[ROWS];
-    list_counters(c, rows);
-    const uint64_t skipped = c->records - c->used - c->stamps - c->texts - c->descriptions;
+    const struct {
+        const char *text;
+        uint64_t count;
+    } rows[] = {{"of other types", c->other_type},         {"of unknown types", c->unknown_type},
+                {"of unknown senders", c->unknown_sender}, {"of wrong size or name", c->bad_payload},
+                {"of bad sensors", c->bad_sensor},         {"not finite", c->not_finite}};
     printf("records      %" PRIu64 ": %" PRIu64 " of events, %" PRIu64 " stamps, %" PRIu64
            " descriptions, %" PRIu64 " texts, %" PRIu64 " skipped\n",
-           c->records, c->used, c->stamps, c->descriptions, c->texts, skipped);
-    for (int i = 0; i < SKIPPED; i++)
+           c->records, c->used, c->stamps, c->descriptions, c->texts,
+           c->records - c->used - c->stamps - c->texts - c->descriptions);
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
         if (rows[i].count > 0)
             printf("             %" PRIu64 " %s\n", rows[i].count, rows[i].text);
     if (c->out_of_order > 0)
@@ -189,28 +158,11 @@ static json_t *channel_json(const gw_recording *recording, const gw_recording_ch
     return out;
 }
 
-static json_t *damage_json(const gw_recording_damage *damage) {
-    return damage->found ? json_pack("{s:o, s:o, s:s}", "offset", count(damage->offset), "record",
-                                     count(damage->record), "text", damage->text)
-                         : json_null();
-}
-
 void gw_replay_report(json_t *report, const gw_recording *recording,
                       const gw_recording_statistics *statistics) {
-    row rows[ROWS];
-    json_t *sensors = json_array(), *notes = json_array(), *counters = json_object();
-    list_counters(&recording->counters, rows);
-    for (int i = 0; i < ROWS; i++)
-        json_object_set_new(counters, rows[i].key, count(rows[i].count));
+    json_t *sensors = json_array();
     for (uint32_t i = 0; i < statistics->channel_count; i++)
         json_array_append_new(sensors, channel_json(recording, &statistics->channels[i]));
-    for (uint32_t i = 0; i < recording->note_count; i++)
-        json_array_append_new(notes, text_or_null(recording->notes[i]));
-    json_object_set_new(
-        report, "tracking",
-        json_pack("{s:s, s:o, s:s, s:b, s:f, s:f, s:o, s:o, s:o, s:o}", "state", "recording", "file",
-                  text_or_null(recording->name), "form", recording->is_csv ? "csv" : "vrpn", "gzip",
-                  recording->is_gzip, "start_unix_s", (double)recording->start * 1e-9, "duration_s",
-                  (double)recording->duration * 1e-9, "damage", damage_json(&recording->damage), "notes",
-                  notes, "sensors", sensors, "counters", counters));
+    gw_report_recording(report, recording, NULL);
+    json_object_set_new(json_object_get(report, "tracking"), "sensors", sensors);
 }

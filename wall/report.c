@@ -206,20 +206,33 @@ void gw_report_predicted_error(json_t *report, const gw_predicted_error *predict
                                   count(predicted->places), "in_force", in_force, "budget", budget));
 }
 
-void gw_report_track(json_t *report, const gw_track *track) {
-    const gw_track_counters *c = &track->counters;
-    const gw_recording_counters *file = &c->file;
+static json_t *recording_counters(const gw_recording_counters *c) {
+    return json_pack(
+        "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}",
+        "bytes", count(c->bytes), "records", count(c->records), "used", count(c->used), "poses",
+        count(c->poses), "gazes", count(c->gazes), "buttons", count(c->buttons), "analogs", count(c->analogs),
+        "links", count(c->links), "stamps", count(c->stamps), "texts", count(c->texts), "descriptions",
+        count(c->descriptions), "other_type", count(c->other_type), "unknown_type", count(c->unknown_type),
+        "unknown_sender", count(c->unknown_sender), "bad_payload", count(c->bad_payload), "bad_sensor",
+        count(c->bad_sensor), "not_finite", count(c->not_finite), "out_of_order", count(c->out_of_order),
+        "clock_steps", count(c->clock_steps));
+}
+
+void gw_report_recording(json_t *report, const gw_recording *recording, const char *sender) {
+    const gw_recording_damage *damage = &recording->damage;
+    json_t *notes = json_array();
+    for (uint32_t i = 0; i < recording->note_count; i++)
+        json_array_append_new(notes, text_or_null(recording->notes[i]));
     json_object_set_new(
         report, "tracking",
-        json_pack("{s:s, s:o, s:o, s:f, s:o, s:{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}}",
-                  "state", "recording", "file", text_or_null(track->name), "sender",
-                  text_or_null(track->sender), "duration_s", (double)track->duration * 1e-9, "damage",
-                  track->damage[0] ? text_or_null(track->damage) : json_null(), "counters", "records",
-                  count(file->records), "poses", count(c->poses), "unknown_type", count(file->unknown_type),
-                  "unknown_sender", count(file->unknown_sender), "bad_payload", count(file->bad_payload),
-                  "bad_sensor", count(file->bad_sensor), "other_sensor", count(c->other_sensor), "untracked",
-                  count(c->untracked), "not_finite", count(file->not_finite), "clock_steps",
-                  count(file->clock_steps), "out_of_order", count(c->reordered)));
+        json_pack("{s:s, s:o, s:s, s:b, s:o, s:f, s:f, s:o, s:o, s:o}", "state", "recording", "file",
+                  text_or_null(recording->name), "form", recording->is_csv ? "csv" : "vrpn", "gzip",
+                  recording->is_gzip, "sender", text_or_null(sender), "start_unix_s",
+                  (double)recording->start * 1e-9, "duration_s", (double)recording->duration * 1e-9, "damage",
+                  damage->found ? json_pack("{s:o, s:o, s:s}", "offset", count(damage->offset), "record",
+                                            count(damage->record), "text", damage->text)
+                                : json_null(),
+                  "notes", notes, "counters", recording_counters(&recording->counters)));
 }
 
 void gw_report_served(json_t *report, const char *name, gw_server_counters served) {

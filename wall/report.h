@@ -12,8 +12,8 @@
 #include "build/scene.h"
 #include "render/predicted_error.h"
 #include "render/renderer.h"
+#include "tracking/recording.h"
 #include "tracking/server.h"
-#include "tracking/track.h"
 #include "wall/build_together.h"
 #include "wall/layout.h"
 #include "wall/site.h"
@@ -41,7 +41,8 @@ void gw_report_counters(json_t *report, const gw_counters *counters);
  */
 void gw_report_predicted_error(json_t *report, const gw_predicted_error *predicted,
                                const gw_frame_state *last, json_t *budget);
-void gw_report_track(json_t *report, const gw_track *track);
+/* Key `tracking`: a recording that is played, of all its devices or the one that counts (NULL: all). */
+void gw_report_recording(json_t *report, const gw_recording *recording, const char *sender);
 /* Into tracking: what became of --serve. */
 void gw_report_served(json_t *report, const char *name, gw_server_counters served);
 

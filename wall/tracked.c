@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "tracking/player.h"
 #include "tracking/source.h"
+#include "tracking/track.h"
 #include "wall/report.h"
 #include "wall/tracked_live.h"
 
@@ -12,7 +13,7 @@
 
 struct gw_tracked {
     gw_tracker *tracker;
-    gw_recording *recording; /* played; NULL: the demo track, or live */
+    gw_recording *recording; /* played; NULL: live */
     gw_player *player;       /* NULL: live */
     gw_tracked_live *live;   /* NULL: recorded */
     int64_t duration;
@@ -43,16 +44,14 @@ static int64_t delay_of(const gw_tracked_options *options) {
 static gw_code open_demo(gw_tracked *tracked, const gw_tracked_options *options, json_t *report,
                          gw_error *error) {
     const double *size = options->site->layout.size;
-    gw_track *track = NULL;
-    gw_code code = gw_track_demo(size[0], size[1], &track, error);
+    const int8_t source = 0;
+    gw_code code = gw_track_demo(size[0], size[1], &tracked->recording, error);
     if (code)
         return code;
-    gw_report_track(report, track);
+    gw_report_recording(report, tracked->recording, tracked->recording->senders[0]);
     gw_player_track_setup(&tracked->setup);
-    tracked->duration = track->duration;
-    code = gw_player_open_track(track, delay_of(options), &tracked->player, error);
-    gw_track_destroy(&track);
-    return code;
+    tracked->duration = tracked->recording->duration;
+    return gw_player_open(tracked->recording, &source, delay_of(options), &tracked->player, error);
 }
 
 /* The device of a source: NAME of NAME@HOST, vrpn:NAME@HOST and the like; else all of it. */
@@ -78,24 +77,23 @@ static int match_site(const gw_tracker_setup *site, const gw_recording *recordin
 }
 
 /* By the plain convention (docs/tracks.md): the sensors of the first device that reports any. */
-static gw_code take_plain(gw_tracked *tracked, const gw_tracked_options *options, json_t *report,
-                          int8_t *sources, gw_error *error) {
-    const gw_track_options how = {.log = options->log};
-    gw_track *track = NULL;
-    gw_code code = gw_track_of(tracked->recording, &how, &track, error);
+static gw_code take_plain(gw_tracked *tracked, json_t *report, int8_t *sources, gw_error *error) {
+    const gw_recording *recording = tracked->recording;
+    uint32_t sender = 0;
+    gw_code code = gw_track_sender(recording, &sender, error);
     if (code)
         return code;
-    for (uint32_t i = 0; i < tracked->recording->sender_count; i++)
-        sources[i] = strcmp(tracked->recording->senders[i], track->sender) == 0 ? 0 : -1;
-    gw_tracker_setup_default(track->sender, &tracked->setup);
-    gw_report_track(report, track);
-    gw_track_destroy(&track);
+    for (uint32_t i = 0; i < recording->sender_count; i++)
+        sources[i] = i == sender ? 0 : -1;
+    gw_tracker_setup_default(recording->senders[sender], &tracked->setup);
+    gw_report_recording(report, recording, recording->senders[sender]);
     return GW_OK;
 }
 
 static gw_code open_recording(gw_tracked *tracked, const gw_tracked_options *options, const char *path,
                               json_t *report, gw_error *error) {
     int8_t sources[GW_RECORDING_SENDERS];
+    char damage[320];
     gw_code code = gw_recording_load(path, &tracked->recording, error);
     if (code)
         return code;
@@ -103,12 +101,14 @@ static gw_code open_recording(gw_tracked *tracked, const gw_tracked_options *opt
     if (match_site(&options->site->trackers, tracked->recording, sources)) {
         tracked->setup = options->site->trackers;
         tracked->is_site = 1;
-        json_object_set_new(report, "tracking",
-                            json_pack("{s:s, s:s, s:f}", "state", "recording", "file", path, "duration_s",
-                                      (double)tracked->duration * 1e-9));
+        gw_report_recording(report, tracked->recording, NULL);
     } else {
-        code = take_plain(tracked, options, report, sources, error);
+        code = take_plain(tracked, report, sources, error);
     }
+    gw_recording_damage_text(tracked->recording, damage, sizeof damage);
+    if (!code && damage[0])
+        gw_log_write(options->log, GW_LOG_WARNING, "%s: %s; what is before it is used: %.3f s", path, damage,
+                     (double)tracked->duration * 1e-9);
     return code ? code
                 : gw_player_open(tracked->recording, sources, delay_of(options), &tracked->player, error);
 }

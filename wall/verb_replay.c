@@ -1,9 +1,9 @@
 /* `gazewall replay TRACK`: what is in a recording of trackers, as text, table or drawing; or it is played to
  * others. Main thread. */
-#include "base/embedded.h"
 #include "base/file.h"
 #include "tracking/recording_writer.h"
 #include "tracking/server.h"
+#include "tracking/track.h"
 #include "wall/console.h"
 #include "wall/options.h"
 #include "wall/replay.h"
@@ -161,15 +161,6 @@ static const struct argp replay_argp = {
            "\vdocs/tracks.md tells the format byte by byte, and how to record.",
 };
 
-static gw_code load(const char *name, gw_recording **out, gw_error *error) {
-    if (strcmp(name, "demo") != 0)
-        return gw_recording_load(name, out, error);
-    const gw_embedded_file *file = gw_embedded_find("configs/tracks/demo.vrpn");
-    if (file == NULL)
-        return gw_fail(error, GW_MACHINE, "configs/tracks/demo.vrpn is not in this program; build it again");
-    return gw_recording_parse(file->data, file->size, name, out, error);
-}
-
 /* Leaves in it what --sender, --from and --to ask for. */
 static gw_code choose(gw_recording *recording, const replay_options *options, gw_error *error) {
     const int32_t sender = options->sender != NULL ? gw_recording_sender(recording, options->sender) : -1;
@@ -267,7 +258,8 @@ int gw_verb_replay(int argc, char **argv) {
     gw_console console;
     gw_console_init(&console, "replay", options.level, options.quiet);
     gw_recording *recording = NULL;
-    gw_code code = load(options.track, &recording, &error);
+    gw_code code = strcmp(options.track, "demo") == 0 ? gw_track_demo_file(&recording, &error)
+                                                      : gw_recording_load(options.track, &recording, &error);
     if (code == GW_OK && recording->damage.found) {
         char damage[512];
         gw_recording_damage_text(recording, damage, sizeof damage);

@@ -1,4 +1,4 @@
-/* libFuzzer: rows of a recording in CSV, behind a good line of columns. Built as fuzz_vrpn_log.c. */
+/* libFuzzer: rows of a recording in CSV, behind a good line of columns. */
 #include "tests/fuzz/recording_entry.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);

@@ -45,15 +45,15 @@ static int close_stage(void **state) {
 /* A head before the wall's middle, turned about the wall's normal. */
 static gw_frame_state look(double degrees) {
     const double half = degrees * 3.14159265358979 / 360;
-    gw_pose_report report = {.position = {0, 0, EYE_DEPTH}, .orientation = {0, 0, sin(half), cos(half)}};
-    gw_track *track = track_of_reports(&report, 1);
+    test_pose report = {.position = {0, 0, EYE_DEPTH}, .orientation = {0, 0, sin(half), cos(half)}};
+    gw_recording *track = recording_of(&report, 1);
     const double neutral[3] = {9, 9, 999};
     gw_frame_state state;
     gw_frame_begin(&state, 0, &stage.settings, 0, GW_DEBUG_NONE);
-    const gw_tracker_view view = view_of_track(track, 0, neutral, &stage.settings);
+    const gw_tracker_view view = view_of_recording(track, 0, neutral, &stage.settings);
     gw_frame_look(&state, &view, &stage.settings);
     gw_frame_part_eyes(&state, &view, EYES);
-    gw_track_destroy(&track);
+    gw_recording_destroy(&track);
     return state;
 }
 

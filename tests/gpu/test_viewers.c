@@ -59,8 +59,8 @@ static uint8_t *picture(const gw_frame_state *state, gw_counters *counters) {
 }
 
 /* A pose of a viewer's sensor; a gaze is turned towards a point from where the viewer's head is. */
-static gw_pose_report pose(int sensor, int64_t time, const double eye[3], const double *point) {
-    gw_pose_report report = {
+static test_pose pose(int sensor, int64_t time, const double eye[3], const double *point) {
+    test_pose report = {
         .time = time, .sensor = sensor, .position = {eye[0], eye[1], eye[2]}, .orientation = {0, 0, 0, 1}};
     if (point) { /* the shortest turn of (0,0,-1) */
         double d[3], length = 0;
@@ -76,13 +76,13 @@ static gw_pose_report pose(int sensor, int64_t time, const double eye[3], const 
 }
 
 /* The state that a track says at a time. */
-static gw_frame_state state_of(gw_pose_report *reports, size_t count, int64_t time) {
-    gw_track *read = track_of_reports(reports, count);
+static gw_frame_state state_of(test_pose *reports, size_t count, int64_t time) {
+    gw_recording *read = recording_of(reports, count);
     gw_frame_state state;
     gw_frame_begin(&state, 0, &stage.settings, 0, GW_DEBUG_NONE);
-    const gw_tracker_view view = view_of_track(read, time, neutral, &stage.settings);
+    const gw_tracker_view view = view_of_recording(read, time, neutral, &stage.settings);
     gw_frame_look(&state, &view, &stage.settings);
-    gw_track_destroy(&read);
+    gw_recording_destroy(&read);
     return state;
 }
 
@@ -92,15 +92,15 @@ static const double points[2][3] = {{-400, 150, 0}, {500, -200, 0}};
 /* The first reports of both viewers, and the last of all when the second one's sensors have long been silent.
  */
 static gw_frame_state two_viewers(int64_t time) {
-    gw_pose_report reports[6] = {pose(0, 0, eyes[0], NULL),      pose(1, 0, eyes[0], points[0]),
-                                 pose(2, 0, eyes[1], NULL),      pose(3, 0, eyes[1], points[1]),
-                                 pose(0, second, eyes[0], NULL), pose(1, second, eyes[0], points[0])};
+    test_pose reports[6] = {pose(0, 0, eyes[0], NULL),      pose(1, 0, eyes[0], points[0]),
+                            pose(2, 0, eyes[1], NULL),      pose(3, 0, eyes[1], points[1]),
+                            pose(0, second, eyes[0], NULL), pose(1, second, eyes[0], points[0])};
     reports[4].time = reports[5].time = time > 0 ? time : second;
     return state_of(reports, 6, time);
 }
 
 static gw_frame_state one_viewer(int which) {
-    gw_pose_report reports[2] = {pose(0, 0, eyes[which], NULL), pose(1, 0, eyes[which], points[which])};
+    test_pose reports[2] = {pose(0, 0, eyes[which], NULL), pose(1, 0, eyes[which], points[which])};
     gw_frame_state state = state_of(reports, 2, 0);
     for (int i = 0; i < 3; i++)
         state.eye[i] = eyes[0][i];
@@ -186,8 +186,8 @@ static void both_viewers_of_a_track_see_sharp(void **unused) {
 /* A viewer who looks away from the wall leaves it coarse, and takes nothing from another. */
 static void a_gaze_off_the_wall_is_coarse(void **unused) {
     const double behind[3] = {-900, 400, 5000};
-    gw_pose_report reports[4] = {pose(0, 0, eyes[0], NULL), pose(1, 0, eyes[0], behind),
-                                 pose(2, 0, eyes[1], NULL), pose(3, 0, eyes[1], points[1])};
+    test_pose reports[4] = {pose(0, 0, eyes[0], NULL), pose(1, 0, eyes[0], behind), pose(2, 0, eyes[1], NULL),
+                            pose(3, 0, eyes[1], points[1])};
     (void)unused;
     gw_frame_state away = state_of(reports, 2, 0), with_other = state_of(reports, 4, 0),
                    other = one_viewer(1), none = nobody();
@@ -235,8 +235,8 @@ static void a_late_gaze_grows_until_it_is_nobodys(void **unused) {
     gw_frame_state first = one_viewer(0);
     uint8_t *left = picture(&gone, NULL), *alone = picture(&first, NULL);
     assert_memory_equal(left, alone, PIXELS * 4);
-    gw_pose_report reports[4] = {pose(0, 0, eyes[0], NULL), pose(1, 0, eyes[0], points[0]),
-                                 pose(0, second, eyes[0], NULL), pose(2, second, eyes[1], NULL)};
+    test_pose reports[4] = {pose(0, 0, eyes[0], NULL), pose(1, 0, eyes[0], points[0]),
+                            pose(0, second, eyes[0], NULL), pose(2, second, eyes[1], NULL)};
     gw_frame_state silent = state_of(reports, 4, second);
     assert_int_equal(silent.gaze_count, 0);
     uint8_t *full = picture(&silent, NULL);

@@ -4,6 +4,7 @@
 . "$(dirname "$0")/../support/tap.sh"
 make_scene "$folder/sheet.obj"
 common=(--scene "$folder/sheet.obj" --set octree_depth=7 --quiet)
+tracks=$(realpath "$(dirname "$0")/../../configs/tracks")
 cd "$folder" || exit 1
 
 sim() { # NAME ARGUMENT...: into folder NAME
@@ -42,6 +43,21 @@ same_file "interlaced rows do not know the split" rows-uneven/wall.png rows-1x1/
 is "two eyes are not one" "$(cmp -s rows-1x1/wall.png 1x1/wall.png || echo differ)" differ
 expect "half of an odd width" 2 "tile 'c0r0' is 161 px wide; side by side" sim --tiles 1x1 --size 161x97 --stereo side-by-side
 expect "an unknown mode" 2 "did you mean anaglyph" sim --stereo anagliph
+
+# --- a recording gives the same pictures each time, whatever the split; one that is cut off, up to there
+recording=$tracks/two-viewers.vrpn.gz
+head -c 70000 "$recording" >cut.vrpn.gz
+sim recorded --track "$recording" --tiles 1x1 --size 160x90 --frames 3 --step 1.7
+sim recorded-3x2 --track "$recording" --tiles 3x2 --size 160x90 --frames 3 --step 1.7
+sim recorded-cut --track cut.vrpn.gz --tiles 2x1 --size 160x90 --frames 3 --step 1.7
+for frame in 0000 0001 0002; do
+    same_file "frame $frame of a recording, another split" recorded-3x2/wall-$frame.png recorded/wall-$frame.png
+    same_file "frame $frame of a recording that is cut off" recorded-cut/wall-$frame.png recorded/wall-$frame.png
+done
+is "its frames differ" "$(cmp -s recorded/wall-0001.png recorded/wall-0002.png || echo differ)" differ
+is "two people look" "$(awk -F, 'NR == 4 { print $7 }' recorded/frames.csv)" 2
+is "the report of a whole recording" "$(json recorded/report.json '["tracking"]["damage"]')" None
+is "the report says where the cut is" "$(json recorded-cut/report.json '["tracking"]["damage"]["text"]' | grep -c 'gzip stream is cut off at byte 70000')" 1
 
 # --- frames from the track: states, and their repetition
 sim track --tiles 2x1 --size 160x96 --frames 3 --save-states states.json

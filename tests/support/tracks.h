@@ -1,26 +1,22 @@
-/* Tracks for tests, without a file. Needs cmocka's headers before it (check.h). */
+/* Recordings for tests, without a file. Needs cmocka's headers before it (check.h). */
 #ifndef GW_TESTS_SUPPORT_TRACKS_H
 #define GW_TESTS_SUPPORT_TRACKS_H
 
-#include "tracking/track.h"
+#include "tracking/recording.h"
 #include "tracking/tracker.h"
 
-enum { TRACK_OF_MOST = 64 };
+/* A pose of a sensor: position in mm, orientation of any length. */
+typedef struct test_pose {
+    int64_t time; /* ns, of arrival */
+    int32_t sensor;
+    double position[3], orientation[4];
+} test_pose;
 
-/* A track of poses in millimetres that arrive at their times, at most TRACK_OF_MOST; for gw_track_destroy().
- * Fails the test when it cannot be made. */
-gw_track *track_of_reports(const gw_pose_report *reports, size_t count);
+/* Of one device, in millimetres; for gw_recording_destroy(). Fails the test when memory is out. */
+gw_recording *recording_of(const test_pose *poses, size_t count);
 
-/* What the tracker says of a track at a time of it, by these settings. */
-gw_tracker_view view_of_track(const gw_track *track, int64_t time, const double neutral_eye[3],
-                              const gw_settings *settings);
-
-/* What a track says between its reports, without any tracker: places and turns on the straight way from one
- * to the next, the first and the last ones before and after. */
-typedef struct track_sample {
-    int has_head, has_gaze;
-    double eye[3], gaze_direction[3]; /* mm; unit */
-} track_sample;
-void sample_track(const gw_track *track, uint32_t viewer, int64_t time, track_sample *out);
+/* What the tracker says of a recording in millimetres at a time of it, by these settings. */
+gw_tracker_view view_of_recording(const gw_recording *recording, int64_t time, const double neutral_eye[3],
+                                  const gw_settings *settings);
 
 #endif

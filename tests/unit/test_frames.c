@@ -2,6 +2,8 @@
 #include "tests/support/check.h"
 
 #include "tests/support/tracks.h"
+#include "tracking/quaternion.h"
+#include "tracking/track.h"
 
 #include "base/file.h"
 #include "wall/frames.h"
@@ -62,29 +64,41 @@ static void up_is_across_every_gaze(void **state) {
     }
 }
 
+/* The demo track's pose of a sensor at the moment of one of its samples. */
+static const gw_tracking_event *pose_at(const gw_recording *track, int32_t sensor, int64_t time) {
+    for (size_t i = 0; i < track->count; i++) {
+        const gw_tracking_event *event = &track->events[i].event;
+        if (event->sensor == sensor && event->arrival - time < 1000 && time - event->arrival < 1000)
+            return event;
+    }
+    fail_msg("no sample at %lld", (long long)time);
+    return NULL;
+}
+
 static void the_track_speaks(void **state) {
     (void)state;
     gw_settings settings = defaults();
-    gw_track *track = NULL;
+    gw_recording *track = NULL;
     const double neutral[3] = {1, 2, 3};
     check_ok(gw_track_demo(2000, 1125, &track, &error));
     gw_frame_state s;
     gw_frame_begin(&s, 0, &settings, 0, GW_DEBUG_NONE);
-    gw_tracker_view view = view_of_track(track, track->duration / 3, neutral, &settings);
+    gw_tracker_view view = view_of_recording(track, track->duration / 3, neutral, &settings);
     gw_frame_look(&s, &view, &settings);
-    track_sample sample;
-    sample_track(track, 0, track->duration / 3, &sample);
-    assert_true(sample.has_head && sample.has_gaze);
+    const double *eye = pose_at(track, GW_SENSOR_HEAD, track->duration / 3)->of.pose.position;
+    const double *turn = pose_at(track, GW_SENSOR_GAZE, track->duration / 3)->of.pose.orientation;
+    double direction[3] = {0, 0, -1};
+    gw_turn_vector(turn, direction, direction);
     assert_int_equal(s.gaze_count, 1);
     for (int i = 0; i < 3; i++) {
-        assert_true(fabs(s.eye[i] - sample.eye[i]) < 0.1);
-        assert_true(fabs((double)s.gazes[0].direction[i] - sample.gaze_direction[i]) < 2e-3);
+        assert_true(fabs(s.eye[i] - eye[i]) < 0.1);
+        assert_true(fabs((double)s.gazes[0].direction[i] - direction[i]) < 2e-3);
     }
     assert_true(s.gazes[0].half_width == (float)settings.gaze_half_width);
     /* At the moment of a sample it is that sample; one that nobody filters or predicts always is. */
-    view = view_of_track(track, 1000000000, neutral, &settings);
-    sample_track(track, 0, 1000000000, &sample);
-    assert_memory_equal(view.viewers[0].eye, sample.eye, sizeof sample.eye);
+    view = view_of_recording(track, 1000000000, neutral, &settings);
+    eye = pose_at(track, GW_SENSOR_HEAD, 1000000000)->of.pose.position;
+    assert_memory_equal(view.viewers[0].eye, eye, 3 * sizeof *eye);
     /* In a saccade, and of a gaze that is known less surely, the ellipsoid is wider; not without end. */
     view.viewers[0].gaze_widening = 5;
     view.viewers[0].gaze_error = settings.gaze_margin + 2;
@@ -99,7 +113,7 @@ static void the_track_speaks(void **state) {
     gw_frame_begin(&s, 0, &settings, 0, GW_DEBUG_NONE);
     gw_frame_look(&s, &view, &settings);
     assert_int_equal(s.gaze_count, 0);
-    gw_track_destroy(&track);
+    gw_recording_destroy(&track);
 }
 
 /* Values that only survive when every digit is written: all bytes of the state come back. */

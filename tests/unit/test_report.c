@@ -48,7 +48,7 @@ static void sections_are_filled(void **state) {
     octree.statistics.inner = 3;
     gw_gl_limits limits = {.vendor = "v", .renderer = "r", .version = "4.5", .software = 1};
     gw_counters counters = {.rays = 1234567890123};
-    gw_track track = {.name = path, .duration = 2000000000};
+    gw_recording track = {.name = path, .duration = 2000000000, .damage = {1, 24, 1, "cut"}};
     gw_settings settings;
     gw_settings_init(&settings);
     gw_layout layout = {.tile_count = 2};
@@ -64,7 +64,7 @@ static void sections_are_filled(void **state) {
     gw_report_octree(report, &octree, &scene, &limits, 3.5, 0);
     gw_report_settings(report, &settings);
     gw_report_counters(report, &counters);
-    gw_report_track(report, &track);
+    gw_report_recording(report, &track, NULL);
     gw_report_tiles(report, &layout, tiles);
     gw_report_frames(report, times, 3, 5);
     gw_report_ended(report, 1);
@@ -96,7 +96,8 @@ static void sections_are_filled(void **state) {
     assert_int_equal(json_integer_value(json_object_get(report, "frames")), 5);
     assert_string_equal(json_string_value(json_object_get(report, "ended")), "interrupted");
     assert_true(json_is_object(json_object_get(report, "device")));
-    assert_true(json_is_object(json_object_get(report, "tracking")));
+    const json_t *damage = json_object_get(json_object_get(report, "tracking"), "damage");
+    assert_int_equal(json_integer_value(json_object_get(damage, "offset")), 24);
     assert_true(json_is_object(json_object_get(report, "build")));
     const json_t *picture = json_object_get(report, "image");
     assert_true(json_is_null(json_object_get(picture, "file")));

@@ -3,10 +3,8 @@
  * different rates, and a body that a frame does not list is not tracked. */
 #include "tracking/server_internal.h"
 
-#include "base/memory.h"
 #include "tracking/dtrack_message.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,9 +13,8 @@ static const int64_t DAY = INT64_C(86400) * 1000000000;
 enum { TEXT = 16384, BUTTONS = 16 /* the vendor's own readers refuse a Flystick with more */ };
 
 typedef struct dtrack_sender {
-    gw_server base;
-    int socket, waits; /* waits: something was given since the last frame */
-    gw_endpoint to;
+    gw_datagram_sender sender;
+    int waits;                              /* something was given since the last frame */
     int64_t newest, seen[GW_DTRACK_BODIES]; /* ns since 1970, of the newest event and each body's last pose */
     gw_dtrack_frame frame;
     char text[TEXT];
@@ -28,7 +25,7 @@ static void take_pose(dtrack_sender *s, const gw_tracking_event *e, int64_t time
     body->listed = 1;
     body->tracked = e->quality >= 0;
     for (int i = 0; i < 3; i++)
-        body->position[i] = e->of.pose.position[i] * s->base.unit;
+        body->position[i] = e->of.pose.position[i] * s->sender.base.unit;
     memcpy(body->orientation, e->of.pose.orientation, sizeof body->orientation);
     s->seen[e->sensor] = time;
     if (e->sensor >= s->frame.body_count)
@@ -80,36 +77,14 @@ static void poll_sender(gw_server *server, int64_t now) {
     s->frame.has_day_time = 1;
     s->frame.day_time = (s->newest % DAY + DAY) % DAY;
     const size_t size = gw_dtrack_write(&s->frame, s->text, sizeof s->text);
-    if (size > 0 && gw_socket_send_to(s->socket, &s->to, s->text, size) > 0)
-        server->counters.messages++;
-    else
-        server->counters.unreachable++;
-}
-
-static void close_sender(gw_server *server) {
-    dtrack_sender *s = (dtrack_sender *)server;
-    gw_socket_close(&s->socket);
-    free(s);
+    gw_datagram_sender_send(&s->sender, s->text, size);
 }
 
 gw_code gw_dtrack_sender_open(const gw_endpoint *at, gw_server **out, gw_error *error) {
-    const gw_endpoint anywhere = {.port = 0};
-    void *memory = NULL;
-    gw_code code = gw_allocate(&memory, 1, sizeof(dtrack_sender), "DTrack sender", error);
+    gw_code code = gw_datagram_sender_open(sizeof(dtrack_sender), at, out, error);
     if (code)
         return code;
-    dtrack_sender *s = memory;
-    s->to = *at;
-    s->base.port = at->port;
-    s->base.send = send_event;
-    s->base.poll = poll_sender;
-    s->base.close = close_sender;
-    s->socket = gw_socket_datagrams(&anywhere, NULL, NULL);
-    if (s->socket < 0) {
-        code = gw_fail(error, GW_MACHINE, "no socket for datagrams: %s", strerror(errno));
-        close_sender(&s->base);
-        return code;
-    }
-    *out = &s->base;
+    (*out)->send = send_event;
+    (*out)->poll = poll_sender;
     return GW_OK;
 }

@@ -19,6 +19,18 @@ struct gw_server {
     void (*close)(gw_server *server); /* frees it */
 };
 
+/* A server that sends datagrams to one address begins with this. */
+typedef struct gw_datagram_sender {
+    gw_server base;
+    int socket;
+    gw_endpoint to;
+} gw_datagram_sender;
+
+/* Allocates `size` bytes that begin with it, zeros behind; the caller sets send and poll. */
+gw_code gw_datagram_sender_open(size_t size, const gw_endpoint *to, gw_server **out, gw_error *error);
+/* One datagram, counted. */
+void gw_datagram_sender_send(gw_datagram_sender *sender, const void *bytes, size_t size);
+
 /* Each fills all but what is common; `at` is where to listen or send to. */
 gw_code gw_vrpn_server_open(const gw_endpoint *at, gw_server **out, gw_error *error);
 gw_code gw_dtrack_sender_open(const gw_endpoint *at, gw_server **out, gw_error *error);

@@ -4,7 +4,8 @@
 // f' = lod_slope * t, in grid units, is decided once per cell, at its entry. An inner cell of side v with f' >= v / 2 stands
 // for its contents: its voxel is composited, and below v also each child crossed, with complementary shares (voxel mode,
 // which ends where the cell ends). A leaf blends its triangles with its voxel over the same range. A hit belongs to the
-// cell in which it lies: one that lies in a cell shown as a voxel is part of that voxel and is dropped with it.
+// cell in which it lies: one that lies in a cell shown as a voxel is part of that voxel and is dropped with it, also where the
+// list of a leaf behind names the triangle again.
 // With SHADOW_RAYS nothing is emitted, only composited; the ray ends at ray_maximum, its footprint need not begin at 0, alpha
 // is asked at once of alpha_of_hit(). A triangle that is met stops the ray wherever it is met: if its place is shown by a
 // voxel, dropping it would let light through where the voxel fills its part of the surface only to the border of its cell.
@@ -172,8 +173,15 @@ void show_voxel() {
     float added = share > 0.0 ? emit_voxel(met_index, share, child_of_voxel, child_scale, leave) : 0.0;
     voxel_given = (child_of_voxel ? voxel_given : 0.0) + (child_of_voxel && !nested ? 0.0 : added);
     bool walk_in = children >= 1.0 && !child_of_voxel; // nothing of it is shown: its children are decided for themselves
-    if (triangles == 0.0 && !walk_in && hit_t <= leave)
-        forget_hit(); // it is part of the voxel
+    if (triangles == 0.0 && !walk_in) {
+        if (hit_t <= leave)
+            forget_hit(); // it is part of the voxel
+#ifndef SHADOW_RAYS
+        // Nor is it met later, in the list of a leaf behind.
+        floor_triangle = leave > floor_t * BESIDE ? GW_NO_TRIANGLE : floor_triangle;
+        floor_t = max(floor_t, leave * (1.0 / BESIDE));
+#endif
+    }
     leaf_again = triangles > 0.0;
     leave_ahead = !leaf_again && children == 0.0;
     if (children > 0.0) {

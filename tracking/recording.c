@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "tracking/recording_builder.h"
 #include "tracking/recording_format.h"
+#include "tracking/vrpn_message.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -18,9 +19,9 @@ static const int64_t TIME_LIMIT = (int64_t)2200000000 * 1000000000;
 static const int64_t LATENCY_LIMIT = 1000000000000;
 
 const char *const gw_log_type_names[GW_LOG_TYPES] = {
-    [GW_LOG_POSE] = "vrpn_Tracker Pos_Quat",  [GW_LOG_BUTTON] = "vrpn_Button Change",
-    [GW_LOG_BUTTONS] = "vrpn_Button States",  [GW_LOG_ANALOGS] = "vrpn_Analog Channel",
-    [GW_LOG_TEXT] = "vrpn_Base text_message", [GW_LOG_STAMP] = "gazewall Stamp",
+    [GW_LOG_POSE] = GW_VRPN_TYPE_POSE,        [GW_LOG_BUTTON] = GW_VRPN_TYPE_BUTTON,
+    [GW_LOG_BUTTONS] = GW_VRPN_TYPE_BUTTONS,  [GW_LOG_ANALOGS] = GW_VRPN_TYPE_ANALOG,
+    [GW_LOG_TEXT] = GW_VRPN_TYPE_TEXT,        [GW_LOG_STAMP] = "gazewall Stamp",
     [GW_LOG_GAZE] = "gazewall Gaze",          [GW_LOG_LINK] = "gazewall Link",
     [GW_LOG_UNTRACKED] = "gazewall Untracked"};
 

@@ -3,11 +3,13 @@
 #ifndef GW_TRACKING_RECORDING_FORMAT_H
 #define GW_TRACKING_RECORDING_FORMAT_H
 
+#include "tracking/vrpn_message.h"
+
 enum {
-    GW_LOG_COOKIE = 24,
+    GW_LOG_COOKIE = GW_VRPN_COOKIE,
     GW_LOG_HEADER = 24,
-    GW_LOG_PAYLOAD = 64000, /* VRPN's own limit of a message body */
-    GW_LOG_IDS = 2000       /* VRPN allows this many senders and as many types on a connection */
+    GW_LOG_PAYLOAD = GW_VRPN_PAYLOAD,
+    GW_LOG_IDS = GW_VRPN_IDS
 };
 
 /* What a described type is to us; 0: not described. */
@@ -28,14 +30,14 @@ typedef enum gw_log_type {
 } gw_log_type;
 
 enum {
-    GW_POSE_SIZE = 64,
-    GW_BUTTON_SIZE = 8,
-    GW_TEXT_SIZE = 1032,
+    GW_POSE_SIZE = GW_VRPN_POSE,
+    GW_BUTTON_SIZE = GW_VRPN_BUTTON,
+    GW_TEXT_SIZE = GW_VRPN_TEXT,
     GW_STAMP_SIZE = 32,
     GW_GAZE_SIZE = 64,
     GW_LINK_SIZE = 4,
     GW_UNTRACKED_SIZE = 4,
-    GW_ANALOG_LIMIT = 128, /* VRPN's limit of channels */
+    GW_ANALOG_LIMIT = GW_VRPN_CHANNELS,
     GW_BUTTON_LIMIT = 256
 };
 

@@ -50,10 +50,10 @@ static int is_cookie(const uint8_t *bytes, size_t size) {
     return major >= MAJOR_OLDEST && major <= MAJOR_NEWEST;
 }
 
-/* The name in a description, or NULL when it is not one. */
+/* The name in a description of an id that may be, or NULL. */
 static const char *described_name(const record *r) {
-    _Static_assert((int)GW_SENDER_NAME == (int)GW_VRPN_NAME, "a file's names are those of the wire");
-    return r->sender < 0 || r->sender >= GW_LOG_IDS ? NULL : gw_vrpn_name_read(r->payload, r->size);
+    const int known = r->sender >= 0 && r->sender < GW_LOG_IDS;
+    return known ? gw_vrpn_name_read(r->payload, r->size) : NULL;
 }
 
 static gw_log_type type_named(const char *name) {

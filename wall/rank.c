@@ -123,19 +123,21 @@ gw_code gw_rank_take_site(gw_rank *rank, const gw_site *site, uint32_t epoch, gw
     return code;
 }
 
-/* Instead of a frozen frame: why this tile ends. Nothing more can be done about a failure here. */
-static void show_notice(gw_rank *rank, const char *reason) {
+/* Instead of a frozen frame, or of none: what this tile waits for, or why it ends. Nothing more can be done
+ * about a failure here. */
+static void show_notice(gw_rank *rank, gw_notice_kind kind, const char *reason) {
     const gw_tile *tile = own_tile(rank);
     const gw_rectangle *rectangle = &tile->rectangle;
     gw_error ignored = {0};
     gw_image image;
-    if (!rectangle->width || gw_notice_draw(rectangle->width, rectangle->height, tile->name, rank->number,
-                                            reason, &image, &ignored))
+    if (!rectangle->width || gw_notice_draw(kind, rectangle->width, rectangle->height, tile->name,
+                                            rank->number, reason, &image, &ignored))
         return;
     if (!gw_present_stage(rank->present, image.rgba, &ignored))
         gw_present_show(rank->present);
-    char *path =
-        rank->options.out ? gw_picture_path(rank->options.out, "tile-%s-notice.png", tile->name) : NULL;
+    char *path = rank->options.out && kind == GW_NOTICE_ENDED
+                     ? gw_picture_path(rank->options.out, "tile-%s-notice.png", tile->name)
+                     : NULL;
     if (path)
         gw_image_write_png(path, &image, "Gazewall " GW_VERSION ", notice", &ignored);
     free(path);
@@ -193,7 +195,7 @@ static gw_code load(gw_rank *rank, gw_conductor *conductor, gw_error *error) {
                                       .cache_limit = draw->cache_limit,
                                       .restarts = gw_sim_restarts(&rank->options, &rank->site) > 0,
                                       .log = &rank->line.log};
-    gw_code code = gw_rank_has_window(rank) ? gw_rank_open_device(rank, error) : GW_OK;
+    gw_code code = gw_rank_open_window(rank, error);
     if (!code && rank->number == 0)
         code = gw_model_import(model, draw, &rank->line.log, error);
     if (!code && rank->number == 0 && rank->options.pictures.remake)
@@ -257,6 +259,26 @@ gw_code gw_rank_create_renderer(gw_rank *rank, gw_error *error) {
     return code;
 }
 
+/* The window of the whole wall is the pilot's. */
+static gw_code open_presentation(gw_rank *rank, gw_error *error) {
+    const gw_rectangle *rectangle = &own_tile(rank)->rectangle;
+    if (rank->present || !rank->model.device || rank->options.windows == GW_WINDOWS_WALL)
+        return GW_OK;
+    return gw_present_open(rank->model.device, &rank->site.panels[rank->number], rectangle->width,
+                           rectangle->height, &rank->present, error);
+}
+
+gw_code gw_rank_open_window(gw_rank *rank, gw_error *error) {
+    if (!gw_rank_has_window(rank))
+        return GW_OK;
+    gw_code code = gw_rank_open_device(rank, error);
+    if (!code)
+        code = open_presentation(rank, error);
+    if (!code && gw_present_is_seen(rank->present))
+        show_notice(rank, GW_NOTICE_WAITS, "loading the scene");
+    return code;
+}
+
 gw_code gw_rank_make_room(gw_rank *rank, gw_error *error) {
     const gw_rectangle *rectangle = &own_tile(rank)->rectangle;
     const size_t scratch = gw_stereo_scratch(own_stereo(rank), own_tile(rank));
@@ -264,10 +286,8 @@ gw_code gw_rank_make_room(gw_rank *rank, gw_error *error) {
         gw_allocate((void **)&rank->pixels, (size_t)rectangle->width * rectangle->height, 4, "pixels", error);
     if (!code && scratch)
         code = gw_allocate((void **)&rank->eye_pixels, scratch, 1, "pixels of an eye", error);
-    /* The window of the whole wall is the pilot's. */
-    if (!code && rank->model.device && rank->options.windows != GW_WINDOWS_WALL)
-        code = gw_present_open(rank->model.device, &rank->site.panels[rank->number], rectangle->width,
-                               rectangle->height, &rank->present, error);
+    if (!code)
+        code = open_presentation(rank, error);
     rank->gate.idle = attend;
     rank->gate.idle_context = rank;
     return code;
@@ -280,8 +300,8 @@ static gw_code prepare_drawing(gw_rank *rank, gw_conductor *conductor, gw_error 
         code = load(rank, conductor, error);
         if (!code)
             code = gw_rank_create_renderer(rank, error);
-    } else if (gw_rank_has_window(rank))
-        code = gw_rank_open_device(rank, error);
+    } else
+        code = gw_rank_open_window(rank, error);
     return code ? code : gw_rank_make_room(rank, error);
 }
 
@@ -422,7 +442,7 @@ int gw_verb_rank(int argc, char **argv) {
     else if (!(code = start_mpi(&rank, &error)))
         code = run(&rank, argc, argv, &error);
     if (code && code != GW_TILES_LOST)
-        show_notice(&rank, error.text);
+        show_notice(&rank, GW_NOTICE_ENDED, error.text);
     if (code && code != GW_TILES_LOST)
         gw_link_send(&rank.line, GW_LINK_FAILED, (int32_t)code, error.text);
     else

@@ -62,6 +62,9 @@ gw_code gw_rank_take_site(gw_rank *rank, const gw_site *site, uint32_t epoch, gw
 static inline int gw_rank_needs_scene(const gw_rank *rank) {
     return rank->options.pictures.pattern == GW_PATTERN_NONE && !rank->options.gate_only;
 }
+
+/* Opens the tile's window, where it has one, and says in it that the scene is being loaded. */
+gw_code gw_rank_open_window(gw_rank *rank, gw_error *error);
 /* The shared scene and octree on the open device, and what draws them. */
 gw_code gw_rank_create_renderer(gw_rank *rank, gw_error *error);
 /* Memory for its pixels, and where they are shown. */

@@ -92,7 +92,9 @@ static gw_code load(gw_rank *rank, const gw_rejoin_keys *keys, gw_error *error) 
     const gw_draw_options *draw = &rank->options.draw;
     char *cache = gw_cache_folder(draw);
     const int64_t begin = gw_now_ns();
-    gw_code code = gw_share_restore(&rank->share, cache, keys, &draw->settings, error);
+    gw_code code = gw_rank_open_window(rank, error);
+    if (!code)
+        code = gw_share_restore(&rank->share, cache, keys, &draw->settings, error);
     free(cache);
     const int64_t restored = gw_now_ns();
     if (!code)
@@ -114,8 +116,8 @@ static gw_code prepare(gw_rank *rank, const gw_rejoin_welcome *welcome, gw_error
         return GW_OK;
     if (gw_rank_needs_scene(rank))
         code = load(rank, &welcome->keys, error);
-    else if (gw_rank_has_window(rank))
-        code = gw_rank_open_device(rank, error);
+    else
+        code = gw_rank_open_window(rank, error);
     return code ? code : gw_rank_make_room(rank, error);
 }
 

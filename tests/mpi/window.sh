@@ -125,6 +125,18 @@ gone() { # NAME: waits until no process of the run is left
 }
 echo "100000 close" >wait.txt
 if command -v ffmpeg >/dev/null; then
+    # The embedded scene, built anew, so that there is something to wait for.
+    XDG_CACHE_HOME=$folder/empty "$program" sim --quiet --tile-windows --tiles 2x1 --size ${width}x$height --frames 1 --report loading.json >loading.log 2>&1 &
+    launcher=$!
+    waits=""
+    while kill -0 $launcher 2>/dev/null && [ "$waits" != 303840 ]; do
+        waits=$(ffmpeg -loglevel error -f x11grab -draw_mouse 0 -video_size 2x2 -i "$DISPLAY+0,0" -frames:v 1 -f rawvideo -pix_fmt rgb24 - </dev/null | head -c 3 | od -An -tx1 | tr -d ' ')
+    done
+    is "while the scene is loaded, the windows say so" "$waits" 303840
+    kill -INT $launcher 2>/dev/null
+    wait $launcher
+fi
+if command -v ffmpeg >/dev/null; then
     sim bezels --tiles 2x2 --bezel 30 --size ${width}x$height "${view[@]}" --out bezels
     "$program" sim "${common[@]}" --tile-windows --tiles 2x2 --bezel 30 --size ${width}x$height "${view[@]}" --input wait.txt --report live.json >live.log 2>&1 &
     launcher=$!

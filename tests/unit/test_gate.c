@@ -149,7 +149,7 @@ static void a_notice_is_red_with_letters(void **state) {
     static const uint32_t sizes[][2] = {{1920, 1080}, {32, 32}, {1, 1}};
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         gw_image image;
-        check_ok(gw_notice_draw(sizes[i][0], sizes[i][1], "c0r0", 3,
+        check_ok(gw_notice_draw(GW_NOTICE_ENDED, sizes[i][0], sizes[i][1], "c0r0", 3,
                                 "rank 0 was lost: nothing came from it for 2.0 s", &image, &error));
         size_t white = 0, red = 0, count = (size_t)sizes[i][0] * sizes[i][1];
         for (size_t k = 0; k < count; k++) {

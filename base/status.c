@@ -4,6 +4,13 @@
 #include <stdio.h>
 #include <string.h>
 
+/* What a file or packet said may be in the text: nothing of it may steer a terminal. */
+static void disarm(char *text) {
+    for (; *text; text++)
+        if (((unsigned char)*text < ' ' && *text != '\n' && *text != '\t') || *text == 127)
+            *text = '?';
+}
+
 /* Marks a text that did not fit. */
 static void end_with_dots(gw_error *error) {
     memcpy(error->text + sizeof error->text - 4, "...", 4);
@@ -23,6 +30,7 @@ gw_code gw_fail(gw_error *error, gw_code code, const char *format, ...) {
     } else if ((size_t)length >= sizeof error->text) {
         end_with_dots(error);
     }
+    disarm(error->text);
     return code;
 }
 
@@ -48,5 +56,6 @@ gw_code gw_context(gw_error *error, const char *format, ...) {
     if (rest < 0 || (size_t)rest >= room) {
         end_with_dots(error);
     }
+    disarm(error->text);
     return error->code;
 }

@@ -1,6 +1,7 @@
 /* Sends frames as a DTrack controller does, to one address. All that was given between two polls is one
- * frame. A body is listed while its last pose is younger than LISTED: sensors of one recording report at
- * different rates, and a body that a frame does not list is not tracked. */
+ * frame. A body that a frame does not list counts as not tracked, one that it repeats as measured anew; but
+ * sensors of one recording report at different rates. So a frame waits until every body that was seen in the
+ * last LISTED has a new pose: frames come as often as the slowest body reports. */
 #include "tracking/server_internal.h"
 
 #include "tracking/dtrack_message.h"
@@ -16,6 +17,7 @@ typedef struct dtrack_sender {
     gw_datagram_sender sender;
     int waits;                              /* something was given since the last frame */
     int64_t newest, seen[GW_DTRACK_BODIES]; /* ns since 1970, of the newest event and each body's last pose */
+    int fresh[GW_DTRACK_BODIES];            /* it has a pose that no frame had */
     gw_dtrack_frame frame;
     char text[TEXT];
 } dtrack_sender;
@@ -28,6 +30,7 @@ static void take_pose(dtrack_sender *s, const gw_tracking_event *e, int64_t time
         body->position[i] = e->of.pose.position[i] * s->sender.base.unit;
     memcpy(body->orientation, e->of.pose.orientation, sizeof body->orientation);
     s->seen[e->sensor] = time;
+    s->fresh[e->sensor] = 1;
     if (e->sensor >= s->frame.body_count)
         s->frame.body_count = e->sensor + 1;
 }
@@ -64,14 +67,26 @@ static void send_event(gw_server *server, const gw_tracking_event *e, int64_t ti
     s->waits = 1;
 }
 
+static int is_seen(const dtrack_sender *s, int body) {
+    return s->frame.bodies[body].listed && llabs(s->newest - s->seen[body]) <= LISTED;
+}
+
+static int is_due(const dtrack_sender *s) {
+    for (int i = 0; i < s->frame.body_count; i++)
+        if (is_seen(s, i) && !s->fresh[i])
+            return 0;
+    return s->waits;
+}
+
 static void poll_sender(gw_server *server, int64_t now) {
     dtrack_sender *s = (dtrack_sender *)server;
     (void)now;
-    if (!s->waits)
+    if (!is_due(s))
         return;
     for (int i = 0; i < s->frame.body_count; i++)
-        if (llabs(s->newest - s->seen[i]) > LISTED)
+        if (!is_seen(s, i))
             s->frame.bodies[i].tracked = 0;
+    memset(s->fresh, 0, sizeof s->fresh);
     s->waits = 0;
     s->frame.frame++;
     s->frame.has_day_time = 1;

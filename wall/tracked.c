@@ -122,6 +122,10 @@ static gw_code open_live(gw_tracked *tracked, const gw_tracked_options *options,
 static gw_code open_source(gw_tracked *tracked, const gw_tracked_options *options, json_t *report,
                            gw_error *error) {
     const gw_tracker_setup *site = &options->site->trackers;
+    gw_source *none = NULL;
+    /* Neither: the error names the forms that there are, and the nearest. */
+    if (options->track && !gw_file_exists(options->track) && !gw_source_is(options->track))
+        return gw_source_open(options->track, NULL, &none, error);
     if (options->track && !is_source(options->track))
         return open_recording(tracked, options, options->track, report, error);
     if (options->track) {

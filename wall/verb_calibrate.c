@@ -162,6 +162,11 @@ static gw_code gather_marks(const calibrate_options *options, const gw_log *log,
     for (uint32_t i = marks->count; i-- > 0;)
         if (!marks->known[i])
             unknown = i;
+    if (unknown == marks->count && options->source)
+        return gw_fail(error, GW_BAD_INPUT,
+                       "%s: every mark has a 'device' position, so '%s' would not be read; leave it out, or "
+                       "take those positions out of the file",
+                       options->points, options->source);
     if (unknown == marks->count)
         return GW_OK;
     if (!options->source)

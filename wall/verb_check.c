@@ -155,10 +155,13 @@ static void print_trackers(const gw_tracker_setup *setup) {
             viewers += setup->viewers[v].source == (int32_t)s;
         gw_axis_map_write(&source->room.axes, axes);
         snprintf(number, sizeof number, "%g mm", source->room.unit);
-        printf("tracker %u: %s, unit %s, axes %s%s, origin at [%g, %g, %g], up to %u viewer%s\n", s + 1,
-               source->spec, unit ? unit : number, axes,
-               gw_axis_map_hand(&source->room.axes) < 0 ? " (left-handed)" : "", source->room.shift[0],
-               source->room.shift[1], source->room.shift[2], viewers, viewers == 1 ? "" : "s");
+        printf("tracker %u: %s, unit %s, axes %s%s, origin at [%g, %g, %g], ", s + 1, source->spec,
+               unit ? unit : number, axes, gw_axis_map_hand(&source->room.axes) < 0 ? " (left-handed)" : "",
+               source->room.shift[0], source->room.shift[1], source->room.shift[2]);
+        if (viewers)
+            printf("heads of up to %u viewer%s\n", viewers, viewers == 1 ? "" : "s");
+        else
+            printf("nobody's head\n");
     }
 }
 

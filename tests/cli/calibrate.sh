@@ -89,6 +89,8 @@ sed 's/\[0, 0, 1500\]/[0, 0]/' "$folder/marks.yaml" >"$folder/wrong.yaml"
 expect "an error is told with its line" 2 "wrong.yaml:5: key 'wall': expected 3 numbers, found 2" \
     calibrate --points "$folder/wrong.yaml"
 head -6 "$folder/marks.yaml" >"$folder/few.yaml"
+expect "a source that nothing is taken from" 2 "'walk.vrpn' would not be read" \
+    calibrate walk.vrpn --points "$folder/marks.yaml"
 expect "two marks" 2 "few.yaml: 2 points; at least 3" calibrate --points "$folder/few.yaml"
 head -8 "$folder/marks.yaml" >"$folder/flat.yaml"
 expect "marks on the floor" 0 "cannot tell a left-handed device" calibrate --points "$folder/flat.yaml"

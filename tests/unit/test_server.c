@@ -323,6 +323,19 @@ static void dtrack_frames(void **state) {
     const ssize_t second = recv(listening, data, sizeof data, 0);
     assert_true(second > 0 && gw_dtrack_read(data, (size_t)second, &frame));
     assert_true(frame.frame == 2 && frame.bodies[0].tracked && !frame.bodies[1].tracked);
+    /* A body that reports twice as often as another makes no frame that would repeat the other's pose. */
+    const int64_t begin = event.device_time;
+    for (int i = 1; i <= 12; i++) {
+        event = pose(1, 0);
+        event.device_time = begin + i * 8000000;
+        gw_server_send(server, &event);
+        if (i % 2 == 0) {
+            event.sensor = 0;
+            gw_server_send(server, &event);
+        }
+        gw_server_poll(server, gw_now_ns());
+    }
+    assert_int_equal(gw_server_count(server)->messages, 2 + 6);
     close(listening);
     gw_server_close(&server);
 }

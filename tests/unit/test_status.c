@@ -41,6 +41,15 @@ static void long_texts_are_cut_visibly(void **state) {
     assert_string_equal(error.text + sizeof error.text - 4, "...");
 }
 
+static void nothing_steers_a_terminal(void **state) {
+    (void)state;
+    gw_error error = {0};
+    gw_fail(&error, GW_BAD_INPUT, "column '%s'\n\tline", "\x1b[2J\x7f\xc3\xa4");
+    assert_string_equal(error.text, "column '?[2J?\xc3\xa4'\n\tline");
+    gw_context(&error, "%s", "\r");
+    assert_memory_equal(error.text, "?: column", 9);
+}
+
 static void products_that_overflow_are_refused(void **state) {
     (void)state;
     void *memory = NULL;
@@ -186,6 +195,7 @@ int main(void) {
         cmocka_unit_test(failure_has_code_and_text),
         cmocka_unit_test(context_goes_before),
         cmocka_unit_test(long_texts_are_cut_visibly),
+        cmocka_unit_test(nothing_steers_a_terminal),
         cmocka_unit_test(products_that_overflow_are_refused),
         cmocka_unit_test(growth_keeps_contents_and_is_geometric),
         cmocka_unit_test(allocation_is_zeroed),

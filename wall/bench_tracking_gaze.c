@@ -10,7 +10,7 @@
 #include <string.h>
 
 const char *const gw_tracking_gaze_figures[GW_TRACKING_FIGURES] = {
-    "lag_ms", "told_ms", "jitter_deg", "after_saccade_deg", "saccades_found", "saccades_made"};
+    "lag_ms", "told_ms", "jitter_deg", "after_saccade_deg", "saccades_missed", "saccades_false"};
 
 static const char *const filters[] = {
     "gaze_filter=none",
@@ -49,8 +49,38 @@ static double since_saccade(const gw_person *person, double time) {
 
 typedef struct result {
     double lag, told, error, after;
-    uint64_t saccades;
+    double missed, wrong; /* saccades that were made and not found; found and not made */
 } result;
+
+enum { SACCADES = 256 };
+
+/* Which of the person's saccades were found, each once, and how often there was none. */
+typedef struct findings {
+    uint8_t found[SACCADES];
+    uint64_t told; /* by the tracker, so far */
+    double wrong;
+} findings;
+
+/* A saccade is found where one goes on, or ended less than `late` seconds ago. */
+static void note_findings(const gw_person *person, double time, double late, uint64_t told, findings *f) {
+    const int news = told > f->told;
+    f->told = told;
+    for (size_t i = 0; news && i < person->saccade_count && i < SACCADES; i++) {
+        const gw_move *m = &person->saccades[i];
+        if (!f->found[i] && time >= m->start && time <= m->start + m->duration + late) {
+            f->found[i] = 1;
+            return;
+        }
+    }
+    f->wrong += news;
+}
+
+static double missed_of(const gw_person *person, double seconds, const findings *f) {
+    double missed = 0;
+    for (size_t i = 0; i < person->saccade_count && i < SACCADES; i++)
+        missed += person->saccades[i].start < seconds && !f->found[i];
+    return missed;
+}
 
 /* Root mean squares in degrees: of all that is seen, and of the 0.1 s after a saccade and one sample. */
 static gw_code watch(const eyes *e, double seconds, const gw_tracking_row *row, result *out,
@@ -62,6 +92,7 @@ static gw_code watch(const eyes *e, double seconds, const gw_tracking_row *row, 
     gw_tracking_path path = {.seconds = seconds};
     double *times = NULL, (*seen)[3] = NULL, sum = 0, after = 0;
     size_t landed = 0;
+    findings f = {.wrong = 0};
     gw_code code = gw_bench_tracker(row->filter, &tracker, error);
     if (!code)
         code = gw_allocate((void **)&path.at, grid, sizeof *path.at, "a path", error);
@@ -86,6 +117,7 @@ static gw_code watch(const eyes *e, double seconds, const gw_tracking_row *row, 
         memcpy(seen[i], view.viewers[0].gaze_direction, sizeof *seen);
         const double off = gw_degrees_between(seen[i], truth);
         const double since = since_saccade(&e->person, times[i]);
+        note_findings(&e->person, times[i], 0.02 + 1 / row->rate, gw_tracker_count(tracker)->saccades, &f);
         sum += off * off;
         out->told += 1e-9 * (double)view.viewers[0].gaze_delay;
         if (since > 1 / row->rate && since < 0.1) {
@@ -98,7 +130,8 @@ static gw_code watch(const eyes *e, double seconds, const gw_tracking_row *row, 
         out->told /= (double)count;
         out->error = sqrt(sum / (double)count);
         out->after = sqrt(after / (double)(landed ? landed : 1));
-        out->saccades = gw_tracker_count(tracker)->saccades;
+        out->missed = missed_of(&e->person, seconds, &f);
+        out->wrong = f.wrong;
     }
     gw_tracker_destroy(&tracker);
     free(path.at);
@@ -117,11 +150,8 @@ static gw_code measure(const eyes *pursuing, const eyes *jumping, const eyes *re
         code = watch(resting, seconds, row, &rest, error);
     if (code)
         return code;
-    size_t made = 0;
-    for (size_t i = 0; i < jumping->person.saccade_count; i++)
-        made += jumping->person.saccades[i].start < seconds;
-    const double figures[GW_TRACKING_FIGURES] = {1e3 * pursuit.lag, 1e3 * pursuit.told,     rest.error,
-                                                 jumps.after,       (double)jumps.saccades, (double)made};
+    const double figures[GW_TRACKING_FIGURES] = {1e3 * pursuit.lag, 1e3 * pursuit.told, rest.error,
+                                                 jumps.after,       jumps.missed,       jumps.wrong};
     memcpy(row->figures, figures, sizeof figures);
     return GW_OK;
 }

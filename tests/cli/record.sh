@@ -1,34 +1,9 @@
 #!/bin/bash
 # gazewall record: what replay plays it records, gazes only with consent; files are kept, and whole to the last second.
-set -u
-program=${GAZEWALL:-out/gazewall}
-folder=${GW_TEST_FOLDER:-$(mktemp -d)}
+# shellcheck source=tests/support/tap.sh
+. "$(dirname "$0")/../support/tap.sh"
 root=$(cd "$(dirname "$0")/../.." && pwd)
 dropouts=$root/configs/tracks/dropouts.vrpn.gz
-number=0
-
-is() { # NAME GOT WANTED
-    number=$((number + 1))
-    if [ "$2" = "$3" ]; then
-        echo "ok $number - $1"
-    else
-        printf 'not ok %s - %s\n# got "%s", wanted "%s"\n' "$number" "$1" "$2" "$3"
-    fi
-}
-
-expect() { # NAME CODE TEXT ARGUMENT...
-    local name=$1 code=$2 text=$3 output got
-    shift 3
-    output=$(timeout 60 "$program" record "$@" 2>&1)
-    got=$?
-    number=$((number + 1))
-    if [ "$got" -eq "$code" ] && [[ $output == *"$text"* ]]; then
-        echo "ok $number - $name"
-    else
-        echo "not ok $number - $name"
-        printf '# exit %s, wanted %s; wanted "%s" in:\n%s\n' "$got" "$code" "$text" "$output" | sed 's/^/# /'
-    fi
-}
 
 # play TRACK OPTION...: a VRPN server on a free port, which comes back in $port
 play() {
@@ -48,19 +23,19 @@ print(eval(sys.argv[2]))
 PY
 }
 
-expect "no track" 2 "name a source and the track" Tracker0@localhost
-expect "no such kind" 2 "the kinds are standing" generate:flying "$folder/x.vrpn"
-expect "a source that is none" 2 "" nonsense: "$folder/x.vrpn"
-expect "sensors that are none" 2 "--gaze-sensors '1,x'" Tracker0@localhost "$folder/x.vrpn" --gaze-sensors 1,x
-expect "people made by formula" 0 "90 events in 0.4" generate:standing "$folder/one.csv.gz" --seconds 0.5 --seed 9
-expect "a file that is there stays" 2 "--overwrite replaces it" generate:standing "$folder/one.csv.gz"
-expect "a full disk" 5 "No space left" generate:standing /dev/full
-expect "nobody there" 3 "no event came (Tracker0@127.0.0.1:1: " Tracker0@127.0.0.1:1 "$folder/none.vrpn" --seconds 0.3 --quiet
+expect "no track" 2 "name a source and the track" record Tracker0@localhost
+expect "no such kind" 2 "the kinds are standing" record generate:flying "$folder/x.vrpn"
+expect "a source that is none" 2 "" record nonsense: "$folder/x.vrpn"
+expect "sensors that are none" 2 "--gaze-sensors '1,x'" record Tracker0@localhost "$folder/x.vrpn" --gaze-sensors 1,x
+expect "people made by formula" 0 "90 events in 0.4" record generate:standing "$folder/one.csv.gz" --seconds 0.5 --seed 9
+expect "a file that is there stays" 2 "--overwrite replaces it" record generate:standing "$folder/one.csv.gz"
+expect "a full disk" 5 "No space left" record generate:standing /dev/full
+expect "nobody there" 3 "no event came (Tracker0@127.0.0.1:1: " record Tracker0@127.0.0.1:1 "$folder/none.vrpn" --seconds 0.3 --quiet
 is "an empty recording leaves no file" "$(ls "$folder/none.vrpn" 2>/dev/null)" ""
 
 # Without consent: heads, buttons and clocks, but not one gaze, in whatever form it came.
 play "$dropouts" --to 1.3
-expect "without consent" 0 "gazes withheld: 1" "Synthetic0@127.0.0.1:$port" "$folder/head.vrpn" --seconds 2.5
+expect "without consent" 0 "gazes withheld: 1" record "Synthetic0@127.0.0.1:$port" "$folder/head.vrpn" --seconds 2.5
 wait "$player"
 is "heads, a button and a clock that is 12 s behind" "$(events "$folder/head.vrpn" \
     '(sorted(s), s["pose", 0]["events"] > 50, round(s["pose", 0]["clock_offset_s"]), t["notes"])')" \
@@ -93,5 +68,4 @@ kill -9 "$recorder"
 wait
 is "what was recorded before a kill is there" "$(events "$folder/killed.vrpn.gz" \
     '(s["pose", 0]["events"] > 100, t["damage"]["text"][-40:].startswith("gzip"), "cut off" in t["damage"]["text"])' 2>/dev/null)" "(True, False, True)"
-echo "1..$number"
-[ -n "${GW_TEST_FOLDER:-}" ] || rm -rf "$folder"
+finish

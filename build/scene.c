@@ -28,6 +28,7 @@ void gw_scene_destroy(gw_scene **scene_address) {
     free(scene->material_of);
     free(scene->materials);
     free(scene->textures);
+    free(scene->extensions);
     free(scene->lights);
     free(scene->viewpoints);
     free(scene->paths);
@@ -81,6 +82,21 @@ void gw_dropped_add(gw_dropped *sum, const gw_dropped *part) {
 #undef GW_DROPPED_ADD
 }
 
+gw_material_extension gw_material_extension_none(void) {
+    const gw_texture_use none = {.texture = -1, .to_uv = {{1, 0, 0}, {0, 1, 0}}};
+    return (gw_material_extension){.normal = none,
+                                   .normal_scale = 1,
+                                   .metallic_roughness = none,
+                                   .occlusion = none,
+                                   .occlusion_strength = 1,
+                                   .emissive = none,
+                                   .ior = 1.5f,
+                                   .specular = 1,
+                                   .specular_color = {1, 1, 1},
+                                   .transmission_map = none,
+                                   .attenuation_color = {1, 1, 1}};
+}
+
 static gw_hash hash_appearance(gw_hash hash, const gw_scene *scene) {
     for (uint32_t i = 0; i < scene->material_count;
          i++) { /* everything after the name, which reaches no pixel */
@@ -88,6 +104,8 @@ static gw_hash hash_appearance(gw_hash hash, const gw_scene *scene) {
         const char *end = (const char *)(&scene->materials[i] + 1);
         hash = gw_hash_bytes(hash, begin, (size_t)(end - begin));
     }
+    if (scene->extensions)
+        hash = gw_hash_bytes(hash, scene->extensions, scene->material_count * sizeof(gw_material_extension));
     for (uint32_t i = 0; i < scene->texture_count; i++) {
         const gw_texture *texture = &scene->textures[i];
         const uint32_t words[4] = {texture->image.width, texture->image.height, (uint32_t)texture->wrap_u,

@@ -35,6 +35,34 @@ typedef struct gw_material {
     int32_t base_color_texture; /* index into textures, -1 for none */
 } gw_material;
 
+/* A picture that a material reads besides its base colour. */
+typedef struct gw_texture_use {
+    int32_t texture;    /* index into textures, -1 for none */
+    int32_t coordinate; /* which set of texture coordinates: 0 or 1 */
+    float to_uv[2][3];  /* uv of the picture = to_uv * (u, v, 1) */
+} gw_texture_use;
+
+/* What a material has beyond gw_material: the core maps and the material extensions of glTF 2.0. Factors of
+ * what is absent stand at the values that change nothing (gw_material_extension_none()). */
+typedef struct gw_material_extension {
+    gw_texture_use normal; /* linear; tangent space, green up */
+    float normal_scale;
+    gw_texture_use metallic_roughness;    /* linear; green: roughness, blue: metalness */
+    gw_texture_use occlusion;             /* linear, red */
+    float occlusion_strength;             /* 0..1 */
+    gw_texture_use emissive;              /* sRGB */
+    int32_t unlit;                        /* base colour is what is seen */
+    float ior;                            /* >= 1, default 1.5 */
+    float specular, specular_color[3];    /* 0..1; >= 0: factors of the dielectric reflection at 0 degrees */
+    float transmission;                   /* 0..1: share of what is not reflected that goes through */
+    gw_texture_use transmission_map;      /* linear, red */
+    float thickness;                      /* 0: a thin sheet; > 0: the surface bounds a volume */
+    float attenuation_color[3];           /* what is left of white light after attenuation_distance, > 0..1 */
+    float attenuation_distance;           /* scene metres; 0: nothing is absorbed */
+    float clearcoat, clearcoat_roughness; /* 0..1 */
+    float sheen_color[3], sheen_roughness; /* linear, 0..1 */
+} gw_material_extension;
+
 typedef struct gw_texture {
     char name[256];
     gw_image image; /* sRGB-encoded colour, straight alpha */
@@ -144,6 +172,7 @@ typedef struct gw_scene {
 
     uint32_t material_count, texture_count, light_count, viewpoint_count, path_count;
     gw_material *materials;
+    gw_material_extension *extensions; /* [material_count], NULL when no material has any */
     gw_texture *textures;
     gw_light *lights;
     gw_viewpoint *viewpoints;
@@ -165,6 +194,9 @@ typedef struct gw_scene {
 } gw_scene;
 
 void gw_scene_destroy(gw_scene **scene);
+
+/* Nothing beyond gw_material. */
+gw_material_extension gw_material_extension_none(void);
 
 /* Appends a note (printf form). */
 gw_code gw_scene_note(gw_scene *scene, gw_error *error, const char *format, ...)

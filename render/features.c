@@ -30,8 +30,8 @@ const gw_feature_row gw_feature_rows[] = {
 };
 const size_t gw_feature_count = sizeof gw_feature_rows / sizeof gw_feature_rows[0];
 
-gw_code gw_feature_of_name(const char *name, uint32_t *bit, gw_error *error) {
-    enum { MOST = 32 };
+gw_code gw_feature_of_name(const char *name, gw_features *bit, gw_error *error) {
+    enum { MOST = 64 };
     const char *names[MOST];
     size_t count = gw_feature_count < MOST ? gw_feature_count : MOST;
     for (size_t i = 0; i < count; ++i) {
@@ -47,8 +47,8 @@ gw_code gw_feature_of_name(const char *name, uint32_t *bit, gw_error *error) {
     return gw_fail(error, GW_BAD_INPUT, "there is no effect '%s'; gazewall inspect lists them all", name);
 }
 
-static uint32_t features_of_material(const gw_material *material, float mirror_roughness) {
-    uint32_t bits = 0;
+static gw_features features_of_material(const gw_material *material, float mirror_roughness) {
+    gw_features bits = 0;
     if (material->base_color_texture >= 0)
         bits |= GW_FEATURE_TEXTURES;
     if (material->emissive[0] > 0.0f || material->emissive[1] > 0.0f || material->emissive[2] > 0.0f)
@@ -67,8 +67,8 @@ static int has_normal(const gw_scene *scene) {
     return 0;
 }
 
-uint32_t gw_features_of_scene(const gw_scene *scene, const gw_octree *octree, float mirror_roughness) {
-    uint32_t bits = 0;
+gw_features gw_features_of_scene(const gw_scene *scene, const gw_octree *octree, float mirror_roughness) {
+    gw_features bits = 0;
     /* Materials that no triangle uses call for nothing. */
     uint32_t last = UINT32_MAX;
     for (uint32_t i = 0; i < scene->triangle_count; ++i) {
@@ -92,8 +92,8 @@ uint32_t gw_features_of_scene(const gw_scene *scene, const gw_octree *octree, fl
     return bits;
 }
 
-uint32_t gw_features_of_frame(const gw_frame_state *state, uint32_t viewers, uint32_t scene_features) {
-    uint32_t bits = 0;
+gw_features gw_features_of_frame(const gw_frame_state *state, uint32_t viewers, gw_features scene_features) {
+    gw_features bits = 0;
     float coarsest = viewers > 0 && state->tau > state->tau_inside ? state->tau : state->tau_inside;
     if (state->geometry == GW_GEOMETRY_VOXELS || (state->geometry == GW_GEOMETRY_HYBRID && coarsest > 0.0f))
         bits |= GW_FEATURE_LOD;

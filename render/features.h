@@ -13,29 +13,31 @@
 #include <stddef.h>
 #include <stdint.h>
 
-typedef enum gw_feature {
-    GW_FEATURE_TEXTURES = 1 << 0,
-    GW_FEATURE_VERTEX_COLORS = 1 << 1,
-    GW_FEATURE_SMOOTH_NORMALS = 1 << 2,
-    GW_FEATURE_EMISSIVE = 1 << 3,
-    GW_FEATURE_ALPHA = 1 << 4, /* masks and blending */
-    GW_FEATURE_DIRECTIONAL_LIGHTS = 1 << 5,
-    GW_FEATURE_POINT_LIGHTS = 1 << 6,
-    GW_FEATURE_LOD = 1 << 7,           /* voxels beside triangles */
-    GW_FEATURE_GAZE = 1 << 8,          /* footprints that depend on where viewers look */
-    GW_FEATURE_WIDE_NODES = 1 << 9,    /* more than 2^24 octree nodes */
-    GW_FEATURE_SPARSE = 1 << 10,       /* fewer rays than pixels where viewers cannot tell */
-    GW_FEATURE_DENSE_LEAVES = 1 << 11, /* lists under boxes */
-    GW_FEATURE_ACCUMULATE = 1 << 12,   /* samples of a still view add up */
-    GW_FEATURE_SHADOWS = 1 << 13,      /* what stands before a light keeps it away */
-    GW_FEATURE_MIRROR = 1 << 14        /* perfect mirrors reflect, once */
-} gw_feature;
+/* A set of effects, one bit each. */
+typedef uint64_t gw_features;
+#define GW_FEATURE_BIT(number) (UINT64_C(1) << (number))
+#define GW_FEATURE_TEXTURES GW_FEATURE_BIT(0)
+#define GW_FEATURE_VERTEX_COLORS GW_FEATURE_BIT(1)
+#define GW_FEATURE_SMOOTH_NORMALS GW_FEATURE_BIT(2)
+#define GW_FEATURE_EMISSIVE GW_FEATURE_BIT(3)
+#define GW_FEATURE_ALPHA GW_FEATURE_BIT(4) /* masks and blending */
+#define GW_FEATURE_DIRECTIONAL_LIGHTS GW_FEATURE_BIT(5)
+#define GW_FEATURE_POINT_LIGHTS GW_FEATURE_BIT(6)
+#define GW_FEATURE_LOD GW_FEATURE_BIT(7)           /* voxels beside triangles */
+#define GW_FEATURE_GAZE GW_FEATURE_BIT(8)          /* footprints that depend on where viewers look */
+#define GW_FEATURE_WIDE_NODES GW_FEATURE_BIT(9)    /* more than 2^24 octree nodes */
+#define GW_FEATURE_SPARSE GW_FEATURE_BIT(10)       /* fewer rays than pixels where viewers cannot tell */
+#define GW_FEATURE_DENSE_LEAVES GW_FEATURE_BIT(11) /* lists under boxes */
+#define GW_FEATURE_ACCUMULATE GW_FEATURE_BIT(12)   /* samples of a still view add up */
+#define GW_FEATURE_SHADOWS GW_FEATURE_BIT(13)      /* what stands before a light keeps it away */
+#define GW_FEATURE_MIRROR GW_FEATURE_BIT(14)       /* perfect mirrors reflect, once */
+#define GW_ALL_FEATURES UINT64_MAX
 
 /* What frames decide, not the scene. */
-enum { GW_FRAME_FEATURES = GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_SPARSE | GW_FEATURE_ACCUMULATE };
+#define GW_FRAME_FEATURES (GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_SPARSE | GW_FEATURE_ACCUMULATE)
 
 typedef struct gw_feature_row {
-    uint32_t bit;
+    gw_features bit;
     const char *name;   /* in reports and messages */
     const char *define; /* in shaders */
     const char *absent; /* why it is skipped, as a sentence about the scene or the frame */
@@ -45,19 +47,19 @@ extern const gw_feature_row gw_feature_rows[];
 extern const size_t gw_feature_count;
 
 /* Without these an octree that calls for them cannot be read. */
-enum { GW_NEEDED_FEATURES = GW_FEATURE_WIDE_NODES | GW_FEATURE_DENSE_LEAVES };
+#define GW_NEEDED_FEATURES (GW_FEATURE_WIDE_NODES | GW_FEATURE_DENSE_LEAVES)
 
 /* The bit of a name; GW_BAD_INPUT names the nearest known one. */
-gw_code gw_feature_of_name(const char *name, uint32_t *bit, gw_error *error);
+gw_code gw_feature_of_name(const char *name, gw_features *bit, gw_error *error);
 
 /* mirror_roughness: up to which metal is a mirror. */
-uint32_t gw_features_of_scene(const gw_scene *scene, const gw_octree *octree, float mirror_roughness);
+gw_features gw_features_of_scene(const gw_scene *scene, const gw_octree *octree, float mirror_roughness);
 /* viewers: gazes that are usable, which may be fewer than state->gaze_count. */
-uint32_t gw_features_of_frame(const gw_frame_state *state, uint32_t viewers, uint32_t scene_features);
+gw_features gw_features_of_frame(const gw_frame_state *state, uint32_t viewers, gw_features scene_features);
 
 /* Everything that chooses one kernel. */
 typedef struct gw_kernel_key {
-    uint32_t features;
+    gw_features features;
     uint32_t depth;           /* of the octree */
     uint32_t texture_classes; /* 0..GW_MAXIMUM_TEXTURE_CLASSES */
     uint32_t root_grid;       /* level of the grid at which a walk without voxels starts, 0: at the root */

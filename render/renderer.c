@@ -22,8 +22,9 @@ size_t gw_renderer_chunk_slots(const gw_renderer *renderer) {
 }
 
 gw_code gw_renderer_take_features(gw_renderer *renderer, gw_error *error) {
-    uint32_t called_for = gw_features_of_scene(renderer->scene, renderer->octree, renderer->mirror_roughness);
-    uint32_t missing = called_for & renderer->forbidden_features & GW_NEEDED_FEATURES;
+    gw_features called_for =
+        gw_features_of_scene(renderer->scene, renderer->octree, renderer->mirror_roughness);
+    gw_features missing = called_for & renderer->forbidden_features & GW_NEEDED_FEATURES;
     renderer->scene_features = called_for & ~renderer->forbidden_features;
     for (size_t i = 0; i < gw_feature_count; ++i)
         if (missing & gw_feature_rows[i].bit)
@@ -270,7 +271,7 @@ static json_t *skipped_feature(const gw_renderer *renderer, const gw_feature_row
 gw_code gw_renderer_report(const gw_renderer *renderer, json_t *report, gw_error *error) {
     json_t *run = json_array(), *skipped = json_array(), *forced = json_array(), *forbidden = json_array();
     int failed = !run || !skipped || !forced || !forbidden;
-    uint32_t called_for = renderer->scene_features | renderer->last_features;
+    gw_features called_for = renderer->scene_features | renderer->last_features;
     for (size_t i = 0; i < gw_feature_count && !failed; ++i) {
         const gw_feature_row *row = &gw_feature_rows[i];
         if (renderer->forbidden_features & row->bit)

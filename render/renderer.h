@@ -14,6 +14,7 @@
 #include "base/status.h"
 #include "build/octree.h"
 #include "build/scene.h"
+#include "render/features.h"
 #include "render/frame_state.h"
 #include "render/view.h"
 
@@ -49,10 +50,11 @@ typedef struct gw_renderer_options {
      * meet one (slower, same pixels: for tests and benches). */
     int one_kernel;
     int time_blending; /* 1: measure what gw_renderer_take_blend_ns() tells (a little slower, same pixels) */
-    uint32_t force_features; /* gw_feature bits to compile in although nothing calls for them: same pixels */
+    gw_features
+        force_features; /* gw_feature bits to compile in although nothing calls for them: same pixels */
     /* gw_feature bits to leave out although something calls for them: other pixels. GW_BAD_INPUT for those
      * without which the octree cannot be read. */
-    uint32_t forbid_features;
+    gw_features forbid_features;
     const gw_log *log;
 } gw_renderer_options;
 

@@ -7,16 +7,16 @@
  * Where voxels may be met, the first round walks through triangles only and suspends rays at their first
  * voxel; the others are done, and the large kernels see the compact queue of the rest. */
 gw_code gw_frame_kernels(gw_frame_job *job, int resume, gw_error *error) {
-    const uint32_t walk_features = GW_FEATURE_WIDE_NODES | GW_FEATURE_DENSE_LEAVES;
-    const uint32_t trace_features =
+    const gw_features walk_features = GW_FEATURE_WIDE_NODES | GW_FEATURE_DENSE_LEAVES;
+    const gw_features trace_features =
         GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_ALPHA | GW_FEATURE_SPARSE | walk_features;
     gw_kernel_key trace = job->key, shade = job->key;
     if (!resume && (job->key.features & GW_FEATURE_LOD) && !job->key.voxels_only &&
         !job->renderer->one_kernel) {
-        trace.features &= ~(uint32_t)GW_FEATURE_LOD;
+        trace.features &= ~GW_FEATURE_LOD;
         trace.level_blend = trace.leaf_blend = 0;
         trace.until_coarse = shade.until_coarse = 1;
-        shade.features &= ~(uint32_t)GW_FEATURE_LOD;
+        shade.features &= ~GW_FEATURE_LOD;
         shade.voxel_emission = 0;
     }
     trace.features &= trace_features;
@@ -29,7 +29,7 @@ gw_code gw_frame_kernels(gw_frame_job *job, int resume, gw_error *error) {
         trace.root_grid = job->renderer->buffers.root_grid_level;
     shade.features &= ~walk_features;
     if (shade.features & GW_FEATURE_SPARSE)
-        shade.features &= ~(uint32_t)GW_FEATURE_ACCUMULATE; /* pixels are made by shaders/blend */
+        shade.features &= ~GW_FEATURE_ACCUMULATE; /* pixels are made by shaders/blend */
     shade.loop_budget = 0;
     shade.voxels_only = shade.level_blend = shade.leaf_blend = shade.double_edges = 0;
     gw_code code = gw_renderer_kernel(job->renderer, "trace/primary.comp", &trace, NULL, &job->trace, error);

@@ -18,9 +18,9 @@ static int shows_work(uint8_t debug) {
 }
 
 static gw_kernel_key key_of(const gw_renderer *renderer, const gw_frame_state *state, uint32_t viewers) {
-    uint32_t features = (renderer->scene_features | renderer->forced_features |
-                         gw_features_of_frame(state, viewers, renderer->scene_features)) &
-                        ~renderer->forbidden_features;
+    gw_features features = (renderer->scene_features | renderer->forced_features |
+                            gw_features_of_frame(state, viewers, renderer->scene_features)) &
+                           ~renderer->forbidden_features;
     int lod = (features & GW_FEATURE_LOD) != 0;
     return (gw_kernel_key){
         .features = features,

@@ -113,12 +113,12 @@ struct gw_renderer {
     int count, one_kernel, time_blending;
     int64_t blend_ns; /* with time_blending: since it was last asked for */
     uint32_t loop_budget;
-    uint32_t loop_iterations; /* the most of a ray in a dispatch since the frame or the tracing began */
-    uint32_t scene_features;  /* but for the forbidden ones */
-    float mirror_roughness;   /* that they were taken with */
-    uint32_t forced_features, forbidden_features;
-    uint32_t last_features; /* of the last frame, for the report */
-    int has_drawn;          /* there was one */
+    uint32_t loop_iterations;   /* the most of a ray in a dispatch since the frame or the tracing began */
+    gw_features scene_features; /* but for the forbidden ones */
+    float mirror_roughness;     /* that they were taken with */
+    gw_features forced_features, forbidden_features;
+    gw_features last_features; /* of the last frame, for the report */
+    int has_drawn;             /* there was one */
     gw_scene_buffers buffers;
     gw_ray_buffers rays;
     gw_shadow_buffers shadows;

@@ -58,7 +58,7 @@ static gw_code list_mirrors(gw_frame_job *job, size_t slots, int resume, uint32_
 
 /* What leaves `count` mirrors from `begin` on. */
 static gw_code make_rays(const gw_frame_job *job, uint32_t begin, uint32_t count, gw_error *error) {
-    const uint32_t features =
+    const gw_features features =
         GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_SPARSE | GW_FEATURE_SMOOTH_NORMALS;
     gw_renderer *renderer = job->renderer;
     const gw_kernel_key key = {.features = job->key.features & features, .depth = job->key.depth};
@@ -86,8 +86,7 @@ static gw_code trace_rays(gw_frame_job *job, uint32_t begin, uint32_t count, gw_
     second.key.reflected = 1;
     second.key.guides = 0;
     second.key.debug = GW_DEBUG_NONE;
-    second.key.features &=
-        ~(uint32_t)(GW_FEATURE_MIRROR | GW_FEATURE_SPARSE | GW_FEATURE_GAZE | GW_FEATURE_ACCUMULATE);
+    second.key.features &= ~(GW_FEATURE_MIRROR | GW_FEATURE_SPARSE | GW_FEATURE_GAZE | GW_FEATURE_ACCUMULATE);
     gw_code code = gw_ray_buffers_reserve(renderer, second.rays, slots, gw_kernel_fragments(&second.key),
                                           second.key.count, error);
     if (code)

@@ -47,12 +47,12 @@ static gw_code reserve(gw_renderer *renderer, size_t places, size_t words, gw_er
 }
 
 /* Kernels of shadow rays know nothing of what is lit. */
-static gw_code kernel_of(const gw_frame_job *job, const char *name, uint32_t features, int resume,
+static gw_code kernel_of(const gw_frame_job *job, const char *name, gw_features features, int resume,
                          GLuint *out, gw_error *error) {
     gw_kernel_key key = job->key;
     key.features &= features;
     if (!(features & key.features & GW_FEATURE_ALPHA))
-        key.features &= ~(uint32_t)(GW_FEATURE_TEXTURES | GW_FEATURE_VERTEX_COLORS);
+        key.features &= ~(GW_FEATURE_TEXTURES | GW_FEATURE_VERTEX_COLORS);
     if (!(key.features & GW_FEATURE_TEXTURES))
         key.texture_classes = 0;
     key.voxel_emission = 0;
@@ -72,7 +72,7 @@ static gw_code kernel_of(const gw_frame_job *job, const char *name, uint32_t fea
 
 static gw_code list_rays(gw_frame_job *job, size_t slots, int resume, uint32_t kept_begin, uint32_t *count,
                          gw_error *error) {
-    const uint32_t features = GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_SPARSE;
+    const gw_features features = GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_SPARSE;
     uint32_t totals[GW_TOTAL_WORDS];
     GLuint program = 0;
     gw_code code = kernel_of(job, "shade/list_shadows.comp", features, resume, &program, error);
@@ -94,9 +94,9 @@ static gw_code list_rays(gw_frame_job *job, size_t slots, int resume, uint32_t k
 }
 
 static gw_code trace_batch(gw_frame_job *job, uint32_t begin, uint32_t count, gw_error *error) {
-    const uint32_t features = GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_SPARSE | GW_FEATURE_ALPHA |
-                              GW_FEATURE_TEXTURES | GW_FEATURE_VERTEX_COLORS | GW_FEATURE_WIDE_NODES |
-                              GW_FEATURE_DENSE_LEAVES;
+    const gw_features features = GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_SPARSE | GW_FEATURE_ALPHA |
+                                 GW_FEATURE_TEXTURES | GW_FEATURE_VERTEX_COLORS | GW_FEATURE_WIDE_NODES |
+                                 GW_FEATURE_DENSE_LEAVES;
     gw_renderer *renderer = job->renderer;
     gw_shadow_buffers *shadows = &renderer->shadows;
     gw_code code = GW_OK;

@@ -309,7 +309,7 @@ static gw_code set_by_name(gw_draw_options *options, const char *name, const cha
 
 /* Of several options for one effect the last holds. */
 static gw_code set_effect(gw_draw_options *options, int key, const char *name) {
-    uint32_t bit = 0;
+    gw_features bit = 0;
     gw_code code = gw_feature_of_name(name, &bit, options->error);
     options->force_effects &= ~bit;
     options->forbid_effects &= ~bit;

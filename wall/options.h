@@ -7,6 +7,7 @@
 #include "base/log.h"
 #include "base/settings.h"
 #include "base/status.h"
+#include "render/features.h"
 #include "render/frame_state.h"
 
 #include <argp.h>
@@ -26,8 +27,8 @@ typedef struct gw_draw_options {
     uint32_t seed;
     double time; /* s */
     gw_debug_view debug;
-    uint32_t force_effects, forbid_effects; /* gw_feature bits, never both of one */
-    int choose_gpu;                         /* 1: on the EGL device `gpu` and no other */
+    gw_features force_effects, forbid_effects; /* gw_feature bits, never both of one */
+    int choose_gpu;                            /* 1: on the EGL device `gpu` and no other */
     int32_t gpu;
     gw_log_level level;
     int quiet;

@@ -269,10 +269,10 @@ static gw_code take_effects(const reader *at, const json_t *object, gw_side_car 
                  *forbidden = json_object_get(object, "forbidden");
     const int64_t bits[2] = {json_integer_value(forced), json_integer_value(forbidden)};
     if (!json_is_integer(forced) || !json_is_integer(forbidden) || bits[0] < 0 || bits[1] < 0 ||
-        bits[0] > UINT32_MAX || bits[1] > UINT32_MAX || (bits[0] & bits[1]))
+        (bits[0] & bits[1]))
         return fail(at, "effects", "two sets of effects, none in both");
-    out->force_effects = (uint32_t)bits[0];
-    out->forbid_effects = (uint32_t)bits[1];
+    out->force_effects = (gw_features)bits[0];
+    out->forbid_effects = (gw_features)bits[1];
     return GW_OK;
 }
 

@@ -10,6 +10,7 @@
 #include "base/settings.h"
 #include "base/status.h"
 #include "build/scene.h"
+#include "render/features.h"
 #include "render/frame_state.h"
 #include "wall/pattern.h"
 #include "wall/site.h"
@@ -21,7 +22,7 @@ typedef struct gw_side_car {
     gw_settings settings;
     gw_frame_state state;
     gw_pattern_kind pattern; /* then there is no scene */
-    uint32_t force_effects, forbid_effects;
+    gw_features force_effects, forbid_effects;
     char *scene;     /* path, absolute; NULL: the embedded demo scene */
     char *animation; /* as --animation, or NULL */
     char scene_hash[33], image_hash[33];
@@ -33,7 +34,7 @@ typedef struct gw_side_car_picture {
     const gw_settings *settings;
     const gw_frame_state *state;
     gw_pattern_kind pattern;
-    uint32_t force_effects, forbid_effects;
+    gw_features force_effects, forbid_effects;
     const char *scene, *animation; /* as on the command line */
     const char *scene_hash;        /* 32 digits, or NULL */
     gw_hash image;                 /* of the tiles' own pixels, without overlay */

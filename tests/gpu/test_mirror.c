@@ -281,7 +281,7 @@ static void however_it_is_drawn_pixels_are_the_same(void **state) {
         gw_renderer_options options;
     } ways[] = {{"counted", {.count = 1}},
                 {"suspended", {.loop_budget = 32}},
-                {"all effects", {.force_features = UINT32_MAX}}};
+                {"all effects", {.force_features = GW_ALL_FEATURES}}};
     for (size_t w = 0; w < sizeof ways / sizeof ways[0]; ++w) {
         uint8_t *other = take(&stage, &camera, &ways[w].options, w == 1 ? &counters : NULL);
         if (memcmp(whole, other, PIXELS * 4))

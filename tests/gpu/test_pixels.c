@@ -161,7 +161,7 @@ static void forcing_effects_changes_no_pixel(void **state) {
     for (size_t i = 0; i < gw_feature_count; ++i)
         other_renderer(&(gw_renderer_options){.force_features = gw_feature_rows[i].bit},
                        gw_feature_rows[i].name, NULL);
-    other_renderer(&(gw_renderer_options){.force_features = UINT32_MAX}, "all effects", NULL);
+    other_renderer(&(gw_renderer_options){.force_features = GW_ALL_FEATURES}, "all effects", NULL);
 }
 
 static void counting_changes_no_pixel_and_counts(void **state) {

@@ -87,7 +87,7 @@ static int open_stage(void **state) {
     check_ok(gw_stage_open(&stage, make_scene(), NULL,
                            (const char *const[]){"octree_depth=8", "dense_leaf=5", NULL}, &error));
     renderer = gw_stage_renderer(&stage);
-    gw_renderer_options breath = {.loop_budget = 40}, all = {.force_features = UINT32_MAX};
+    gw_renderer_options breath = {.loop_budget = 40}, all = {.force_features = GW_ALL_FEATURES};
     check_ok(gw_renderer_create(stage.device, stage.scene, stage.octree, &breath, &short_winded, &error));
     check_ok(gw_renderer_create(stage.device, stage.scene, stage.octree, &all, &forced, &error));
     gw_camera_look(&view, &stage, (const double[]){0.7, 0.6, 2.2}, (const double[]){0, 0, 0}, 44, SIDE);

@@ -88,7 +88,7 @@ static void suspended_rays_go_on_as_if_nothing_had_happened(void **state) {
 static void wide_node_words_change_nothing(void **state) {
     (void)state;
     gw_renderer *wide = NULL;
-    gw_renderer_options options = {.force_features = UINT32_MAX};
+    gw_renderer_options options = {.force_features = GW_ALL_FEATURES};
     check_ok(gw_renderer_create(stage.device, stage.scene, stage.octree, &options, &wide, &error));
     gw_hit *narrow_hits = trace(renderer, GW_TRACE_OCTREE, rays, ray_count, NULL);
     gw_hit *wide_hits = trace(wide, GW_TRACE_OCTREE, rays, ray_count, NULL);
@@ -220,7 +220,7 @@ static void expect_met(const gw_ray *segments, const gw_hit *nearest, const gw_h
 static void any_hit_is_found_where_there_is_one(void **state) {
     (void)state;
     gw_renderer *counting = NULL, *pieces = NULL;
-    gw_renderer_options count = {.count = 1}, forced = {.loop_budget = 32, .force_features = UINT32_MAX};
+    gw_renderer_options count = {.count = 1}, forced = {.loop_budget = 32, .force_features = GW_ALL_FEATURES};
     check_ok(gw_renderer_create(stage.device, stage.scene, stage.octree, &count, &counting, &error));
     check_ok(gw_renderer_create(stage.device, stage.scene, stage.octree, &forced, &pieces, &error));
     gw_ray *segments = make_segments();

@@ -106,6 +106,9 @@
            "0.0001", "a ray ends when less than this share of it is left")                                              \
     GW_ROW(shadow_tau, REAL, 1.0, 0.0, 16.0, "", FRAME, "", "voxels in shadows against steps and tests", "0",            \
            "tau of shadow rays, as a multiple of the pixel's own; 0: every shadow ray ends at triangles")               \
+    GW_ROW(near_light, INTEGER, 32, 0, 255, "", FRAME, "reaches", "light through joints of voxels against light on foliage", \
+           "shadow_tau 0",                                                                                              \
+           "nearer to a point light than this many heights of its voxels, what shows as a voxel has its shadow's ray start beyond them") \
     GW_ROW(mirror_roughness, REAL, 0.02, 0.0, 0.25, "", FRAME, "", "rough metal shown as a mirror against rays", "0",      \
            "metal (metalness 1) of at most this roughness is a perfect mirror, whose reflections are traced")            \
     GW_ROW(head_filter, CHOICE, 0, 0, 2, "none|one-euro|kalman", TRACK, "", "shaking heads against late ones", "none",        \

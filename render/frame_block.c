@@ -212,6 +212,7 @@ gw_code gw_frame_block_fill(const gw_scene *scene, const gw_octree *octree, cons
     block->step_y[3] = state->separated_tau;
     block->secondary[0] = state->shadow_tau;
     block->secondary[1] = state->mirror_roughness;
+    block->secondary[2] = state->near_light;
     block->acuity[1] = (float)smallest_period;
     gw_frame_block_set_sample(state, 0, block);
     uint32_t gazes = state->gaze_count < GW_MAXIMUM_VIEWERS ? state->gaze_count : GW_MAXIMUM_VIEWERS;

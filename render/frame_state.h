@@ -45,7 +45,8 @@ typedef struct gw_frame_state {
      * for, so nothing is kept for one. */
     uint32_t epoch;
     uint16_t accumulate;
-    uint16_t reserved; /* 0 */
+    uint8_t near_light; /* a knob as above */
+    uint8_t reserved;   /* 0 */
     /* How far tau, gaze_margin, acuity_slope and sample_block are strained to be faster: 1, as they stand, to
      * GW_MAXIMUM_STRAIN. See gw_frame_state_in_force(). */
     float strain;

@@ -63,6 +63,7 @@ static const byte_field byte_fields[] = {
     {"samples", offsetof(gw_frame_state, samples), 4},
     {"triangle_precision", offsetof(gw_frame_state, triangle_precision), GW_PRECISION_DOUBLE},
     {"debug", offsetof(gw_frame_state, debug), GW_DEBUG_VIEWS - 1},
+    {"near_light", offsetof(gw_frame_state, near_light), UINT8_MAX},
 };
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))

@@ -32,7 +32,7 @@ GW_VEC4(accuracy);   // tau, tau_inside, gaze_blend deg, gaze_margin deg
 GW_VEC4(acuity);     // slope, smallest period deg, voxel_slab, voxel_flatness
 GW_VEC4(background); // linear radiance; w: least_remainder
 GW_VEC4(ambient);    // linear irradiance; w: fold_agreement
-GW_VEC4(secondary);  // shadow_tau, mirror_roughness
+GW_VEC4(secondary);  // shadow_tau, mirror_roughness, near_light
 GW_IVEC4(window);    // rectangle: x and y of its first pixel, x and y past its last
 GW_IVEC4(chunk);     // first block's x and y (pixels, multiples of 8), blocks per row, number of blocks
 GW_IVEC4(list);      // grid of blocks that samples are listed for, chunk and rim: as chunk, x and y multiples of 16

@@ -113,11 +113,11 @@ vec3 shadow_origin(Secondary_start start, float accepted) {
 }
 
 // The same towards a light that is `distance` away. What is seen of a lit room through a joint of its voxels, or lit through one,
-// is the brighter the nearer the light: up to 32 times the reach the ray leaves along the way back to the eye, which is free, out of the
-// reach of all of them, from 64 on as above. (The normal need not be free: at the edge of a wall whose sides are not turned the
+// is the brighter the nearer the light: up to near_light times the reach the ray leaves along the way back to the eye, which is free, out of
+// the reach of all of them, from twice that on as above. (The normal need not be free: at the edge of a wall whose sides are not turned the
 // same way it leads into it.)
 vec3 shadow_origin_near(Secondary_start start, float accepted, float distance) {
-    float near = clamp(2.0 - distance / (32.0 * max(reach_of(start, accepted), 1e-30)), 0.0, 1.0);
+    float near = clamp(2.0 - distance / max(frame.secondary.z * reach_of(start, accepted), 1e-30), 0.0, 1.0);
 #ifdef ALWAYS_OUT_OF_REACH
     near = 1.0; // the naive variant, for the test that shows why
 #endif

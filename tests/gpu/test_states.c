@@ -134,6 +134,7 @@ static gw_camera random_state(uint64_t *random) {
     camera.state.rate_blend = (uint8_t)below(random, 2);
     camera.state.mirror_roughness = below(random, 2) ? 0.02f : 0;
     camera.state.separated_tau = between(random, 0, 1);
+    camera.state.near_light = (uint8_t)below(random, 256);
     camera.state.voxel_flatness = between(random, 0.4, 1.2);
     camera.state.level_blend = camera.state.leaf_blend = below(random, 5) > 0;
     for (uint32_t viewers = below(random, 4); viewers > 0; --viewers)

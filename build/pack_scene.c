@@ -13,10 +13,12 @@ typedef enum section {
     POSITIONS,
     NORMALS,
     TEXCOORDS,
+    SECOND_TEXCOORDS,
     COLORS,
     TRIANGLES,
     MATERIAL_OF,
     MATERIALS,
+    EXTENSIONS,
     TEXTURES,
     PIXELS,
     LIGHTS,
@@ -38,7 +40,7 @@ typedef struct header {
     gw_block_head head;
     gw_hash hash;
     uint32_t vertex_count, triangle_count, material_count, texture_count, light_count, viewpoint_count;
-    uint32_t welded_count, has_colors;
+    uint32_t welded_count, has_colors, has_second_texcoords, has_extensions;
     int32_t exponent;
     float ambient[3], background[3];
     double centre[3], bounds[2][3];
@@ -47,7 +49,7 @@ typedef struct header {
 } header;
 
 static const gw_block_head kind = {
-    .magic = {'G', 'W', 'S', 'C', 'E', 'N', 'E', ' '}, .version = 4, .section_count = SECTION_COUNT};
+    .magic = {'G', 'W', 'S', 'C', 'E', 'N', 'E', ' '}, .version = 5, .section_count = SECTION_COUNT};
 static const char what[] = "the shared scene";
 
 /* Sizes of all sections from the counts of a header; the reader compares with what the block claims. */
@@ -57,10 +59,12 @@ static void section_sizes(const header *head, uint64_t pixel_bytes, uint64_t ani
     sizes[POSITIONS] = vertices * 3 * sizeof(float);
     sizes[NORMALS] = vertices * 3 * sizeof(float);
     sizes[TEXCOORDS] = vertices * 2 * sizeof(float);
+    sizes[SECOND_TEXCOORDS] = head->has_second_texcoords ? vertices * 2 * sizeof(float) : 0;
     sizes[COLORS] = head->has_colors ? vertices * 4 : 0;
     sizes[TRIANGLES] = triangles * 3 * sizeof(uint32_t);
     sizes[MATERIAL_OF] = triangles * sizeof(uint32_t);
     sizes[MATERIALS] = head->material_count * sizeof(gw_material);
+    sizes[EXTENSIONS] = head->has_extensions ? head->material_count * sizeof(gw_material_extension) : 0;
     sizes[TEXTURES] = head->texture_count * sizeof(packed_texture);
     sizes[PIXELS] = pixel_bytes;
     sizes[LIGHTS] = head->light_count * sizeof(gw_light);
@@ -85,6 +89,8 @@ static void make_header(const gw_scene *scene, header *head) {
     head->light_count = scene->light_count;
     head->viewpoint_count = scene->viewpoint_count;
     head->has_colors = scene->colors != NULL;
+    head->has_second_texcoords = scene->second_texcoords != NULL;
+    head->has_extensions = scene->extensions != NULL;
     head->welded_count = scene->welded_count;
     head->exponent = scene->exponent;
     memcpy(head->ambient, scene->ambient, sizeof head->ambient);
@@ -129,13 +135,19 @@ static void put_textures(void *block_bytes, const header *head, const gw_scene *
 void gw_pack_scene(const gw_scene *scene, void *block) {
     header head;
     make_header(scene, &head);
-    const void *arrays[SECTION_COUNT] = {
-        [POSITIONS] = scene->positions,         [NORMALS] = scene->normals,
-        [TEXCOORDS] = scene->texcoords,         [COLORS] = scene->colors,
-        [TRIANGLES] = scene->triangles,         [MATERIAL_OF] = scene->material_of,
-        [MATERIALS] = scene->materials,         [LIGHTS] = scene->lights,
-        [VIEWPOINTS] = scene->viewpoints,       [WELDED] = scene->welded,
-        [PATH] = scene->path ? scene->path : ""};
+    const void *arrays[SECTION_COUNT] = {[POSITIONS] = scene->positions,
+                                         [NORMALS] = scene->normals,
+                                         [TEXCOORDS] = scene->texcoords,
+                                         [COLORS] = scene->colors,
+                                         [SECOND_TEXCOORDS] = scene->second_texcoords,
+                                         [EXTENSIONS] = scene->extensions,
+                                         [TRIANGLES] = scene->triangles,
+                                         [MATERIAL_OF] = scene->material_of,
+                                         [MATERIALS] = scene->materials,
+                                         [LIGHTS] = scene->lights,
+                                         [VIEWPOINTS] = scene->viewpoints,
+                                         [WELDED] = scene->welded,
+                                         [PATH] = scene->path ? scene->path : ""};
     memset(block, 0, (size_t)head.head.size);
     memcpy(block, &head, sizeof head);
     for (int i = 0; i < SECTION_COUNT; i++)
@@ -178,6 +190,8 @@ static gw_code check_indices(const gw_scene *scene, gw_error *error) {
         int32_t texture = scene->materials[i].base_color_texture;
         if (texture < -1 || texture >= (int64_t)scene->texture_count)
             return broken(error, "a material's texture is out of range");
+        if (scene->extensions && gw_material_extension_fault(scene, i))
+            return broken(error, gw_material_extension_fault(scene, i));
     }
     return GW_OK;
 }
@@ -228,12 +242,14 @@ static void view_scene(uint8_t *block, const header *head, gw_scene *scene) {
     scene->welded_count = head->welded_count;
     scene->normals = AT(NORMALS);
     scene->texcoords = AT(TEXCOORDS);
+    scene->second_texcoords = head->has_second_texcoords ? AT(SECOND_TEXCOORDS) : NULL;
     scene->colors = head->has_colors ? AT(COLORS) : NULL;
     scene->triangle_count = head->triangle_count;
     scene->triangles = AT(TRIANGLES);
     scene->material_of = AT(MATERIAL_OF);
     scene->material_count = head->material_count;
     scene->materials = AT(MATERIALS);
+    scene->extensions = head->has_extensions ? AT(EXTENSIONS) : NULL;
     scene->texture_count = head->texture_count;
     scene->light_count = head->light_count;
     scene->lights = AT(LIGHTS);

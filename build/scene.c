@@ -22,6 +22,7 @@ void gw_scene_destroy(gw_scene **scene_address) {
     free(scene->positions);
     free(scene->normals);
     free(scene->texcoords);
+    free(scene->second_texcoords);
     free(scene->colors);
     free(scene->welded);
     free(scene->triangles);
@@ -82,21 +83,6 @@ void gw_dropped_add(gw_dropped *sum, const gw_dropped *part) {
 #undef GW_DROPPED_ADD
 }
 
-gw_material_extension gw_material_extension_none(void) {
-    const gw_texture_use none = {.texture = -1, .to_uv = {{1, 0, 0}, {0, 1, 0}}};
-    return (gw_material_extension){.normal = none,
-                                   .normal_scale = 1,
-                                   .metallic_roughness = none,
-                                   .occlusion = none,
-                                   .occlusion_strength = 1,
-                                   .emissive = none,
-                                   .ior = 1.5f,
-                                   .specular = 1,
-                                   .specular_color = {1, 1, 1},
-                                   .transmission_map = none,
-                                   .attenuation_color = {1, 1, 1}};
-}
-
 static gw_hash hash_appearance(gw_hash hash, const gw_scene *scene) {
     for (uint32_t i = 0; i < scene->material_count;
          i++) { /* everything after the name, which reaches no pixel */
@@ -155,6 +141,8 @@ void gw_scene_rehash(gw_scene *scene) {
     hash = gw_hash_bytes(hash, scene->positions, vertices * 3 * sizeof(float));
     hash = gw_hash_bytes(hash, scene->normals, vertices * 3 * sizeof(float));
     hash = gw_hash_bytes(hash, scene->texcoords, vertices * 2 * sizeof(float));
+    if (scene->second_texcoords)
+        hash = gw_hash_bytes(hash, scene->second_texcoords, vertices * 2 * sizeof(float));
     if (scene->colors)
         hash = gw_hash_bytes(hash, scene->colors, vertices * 4);
     hash = gw_hash_bytes(hash, scene->triangles, triangles * 3 * sizeof(uint32_t));

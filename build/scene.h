@@ -38,19 +38,23 @@ typedef struct gw_material {
 /* A picture that a material reads besides its base colour. */
 typedef struct gw_texture_use {
     int32_t texture;    /* index into textures, -1 for none */
-    int32_t coordinate; /* which set of texture coordinates: 0 or 1 */
+    int32_t coordinate; /* 0: texcoords, 1: second_texcoords of the scene */
     float to_uv[2][3];  /* uv of the picture = to_uv * (u, v, 1) */
 } gw_texture_use;
 
 /* What a material has beyond gw_material: the core maps and the material extensions of glTF 2.0. Factors of
- * what is absent stand at the values that change nothing (gw_material_extension_none()). */
+ * what is absent stand at the values that change nothing (gw_material_extension_none()). With a map, the
+ * factors of the same name here go with it, and those of gw_material are these times the map's mean: what
+ * shows no map (voxels) shows the mean. Numbers only, no padding: compared and hashed as bytes. */
 typedef struct gw_material_extension {
     gw_texture_use normal; /* linear; tangent space, green up */
     float normal_scale;
     gw_texture_use metallic_roughness;    /* linear; green: roughness, blue: metalness */
+    float metalness, roughness;           /* 0..1, with that map only */
     gw_texture_use occlusion;             /* linear, red */
     float occlusion_strength;             /* 0..1 */
-    gw_texture_use emissive;              /* sRGB */
+    gw_texture_use emissive_map;          /* sRGB */
+    float emissive[3];                    /* >= 0, with that map only */
     int32_t unlit;                        /* base colour is what is seen */
     float ior;                            /* >= 1, default 1.5 */
     float specular, specular_color[3];    /* 0..1; >= 0: factors of the dielectric reflection at 0 degrees */
@@ -157,9 +161,10 @@ typedef struct gw_scene {
     float *normals;   /* [vertex_count][3] unit shading normals; a zero vector means: use the geometric one */
     float *texcoords; /* [vertex_count][2], v downwards (row 0 of the image is v = 0); zero where there are
                          none */
-    uint8_t *colors;  /* [vertex_count][4] linear factor 0..255, NULL when no vertex has one */
-    uint32_t *welded; /* [vertex_count] id of the position: equal for bit-equal rebased positions,
-                         0..welded_count-1 */
+    float *second_texcoords; /* as texcoords; NULL when no material reads them */
+    uint8_t *colors;         /* [vertex_count][4] linear factor 0..255, NULL when no vertex has one */
+    uint32_t *welded;        /* [vertex_count] id of the position: equal for bit-equal rebased positions,
+                                0..welded_count-1 */
     uint32_t welded_count;
 
     uint32_t triangle_count;
@@ -197,6 +202,10 @@ void gw_scene_destroy(gw_scene **scene);
 
 /* Nothing beyond gw_material. */
 gw_material_extension gw_material_extension_none(void);
+/* What is wrong with the i-th extension of a scene, in words; NULL when nothing is. */
+const char *gw_material_extension_fault(const gw_scene *scene, uint32_t i);
+/* Gives the scene extensions that change nothing, if it has none yet. */
+gw_code gw_scene_extend_materials(gw_scene *scene, gw_error *error);
 
 /* Appends a note (printf form). */
 gw_code gw_scene_note(gw_scene *scene, gw_error *error, const char *format, ...)

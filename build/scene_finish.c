@@ -53,6 +53,9 @@ static gw_code check_materials(const gw_scene *scene, gw_error *error) {
             return gw_fail(error, GW_BAD_INPUT,
                            "material %u ('%s') names texture %d, but there are %u textures", i,
                            material->name, material->base_color_texture, scene->texture_count);
+        const char *fault = scene->extensions ? gw_material_extension_fault(scene, i) : NULL;
+        if (fault)
+            return gw_fail(error, GW_BAD_INPUT, "material %u ('%s') has %s", i, material->name, fault);
     }
     return GW_OK;
 }
@@ -219,6 +222,15 @@ static void clean_normal(finish *self, const float *normal, uint32_t words[3]) {
     memcpy(words, clean, sizeof clean);
 }
 
+static void fill_texcoord(finish *self, const float *texcoords, size_t vertex, uint32_t words[2]) {
+    if (!texcoords)
+        return;
+    const int usable = all_finite(texcoords + vertex * 2, 2);
+    self->bad_texcoords += !usable;
+    for (size_t i = 0; i < 2; i++)
+        words[i] = usable ? float_word(texcoords[vertex * 2 + i]) : 0;
+}
+
 static void fill_row(finish *self, uint32_t vertex, uint32_t *row) {
     const gw_scene *scene = self->scene;
     const size_t v = vertex;
@@ -228,13 +240,8 @@ static void fill_row(finish *self, uint32_t vertex, uint32_t *row) {
     memcpy(row, position, sizeof position);
     if (scene->normals)
         clean_normal(self, scene->normals + v * 3, row + 3);
-    if (scene->texcoords) {
-        const float *texcoord = scene->texcoords + v * 2;
-        int usable = all_finite(texcoord, 2);
-        self->bad_texcoords += !usable;
-        row[6] = usable ? float_word(texcoord[0]) : 0;
-        row[7] = usable ? float_word(texcoord[1]) : 0;
-    }
+    fill_texcoord(self, scene->texcoords, v, row + 6);
+    fill_texcoord(self, scene->second_texcoords, v, row + 10);
     if (scene->colors)
         memcpy(row + 8, scene->colors + v * 4, 4);
     if (scene->animation)
@@ -321,12 +328,12 @@ static uint32_t number_by_first_use(finish *self) {
 }
 
 typedef struct vertex_arrays {
-    float *positions, *normals, *texcoords;
+    float *positions, *normals, *texcoords, *second_texcoords;
     uint8_t *colors;
     uint32_t *welded;
 } vertex_arrays;
 
-static gw_code allocate_arrays(vertex_arrays *arrays, size_t count, int colored, gw_error *error) {
+static gw_code allocate_arrays(vertex_arrays *arrays, const gw_scene *scene, size_t count, gw_error *error) {
     gw_code code =
         gw_allocate((void **)&arrays->positions, count, 3 * sizeof(float), "vertex positions", error);
     if (code == GW_OK)
@@ -336,7 +343,10 @@ static gw_code allocate_arrays(vertex_arrays *arrays, size_t count, int colored,
             gw_allocate((void **)&arrays->texcoords, count, 2 * sizeof(float), "texture coordinates", error);
     if (code == GW_OK)
         code = gw_allocate((void **)&arrays->welded, count, sizeof(uint32_t), "welded vertices", error);
-    if (code == GW_OK && colored)
+    if (code == GW_OK && scene->second_texcoords)
+        code = gw_allocate((void **)&arrays->second_texcoords, count, 2 * sizeof(float),
+                           "texture coordinates", error);
+    if (code == GW_OK && scene->colors)
         code = gw_allocate((void **)&arrays->colors, count, 4, "vertex colours", error);
     return code;
 }
@@ -345,11 +355,13 @@ static void adopt_arrays(gw_scene *scene, const vertex_arrays *arrays) {
     free(scene->positions);
     free(scene->normals);
     free(scene->texcoords);
+    free(scene->second_texcoords);
     free(scene->colors);
     free(scene->welded);
     scene->positions = arrays->positions;
     scene->normals = arrays->normals;
     scene->texcoords = arrays->texcoords;
+    scene->second_texcoords = arrays->second_texcoords;
     scene->colors = arrays->colors;
     scene->welded = arrays->welded;
 }
@@ -385,7 +397,7 @@ static gw_code write_vertices(finish *self, gw_error *error) {
     gw_scene *scene = self->scene;
     const uint32_t count = number_by_first_use(self);
     vertex_arrays arrays = {0};
-    gw_code code = allocate_arrays(&arrays, count, scene->colors != NULL, error);
+    gw_code code = allocate_arrays(&arrays, scene, count, error);
     adopt_arrays(scene, &arrays); /* also after a failure: the scene stays destroyable */
     scene->vertex_count = code == GW_OK ? count : 0;
     if (code != GW_OK)
@@ -398,6 +410,8 @@ static gw_code write_vertices(finish *self, gw_error *error) {
         memcpy(scene->positions + v * 3, words, 3 * sizeof(float));
         memcpy(scene->normals + v * 3, words + 3, 3 * sizeof(float));
         memcpy(scene->texcoords + v * 2, words + 6, 2 * sizeof(float));
+        if (scene->second_texcoords)
+            memcpy(scene->second_texcoords + v * 2, words + 10, 2 * sizeof(float));
         if (scene->colors)
             memcpy(scene->colors + v * 4, words + 8, 4);
     }

@@ -93,7 +93,11 @@ static int compare_materials(const void *a_index, const void *b_index, void *con
     const gw_material *a = &scene->materials[*(const uint32_t *)a_index];
     const gw_material *b = &scene->materials[*(const uint32_t *)b_index];
     size_t size = (size_t)((const char *)(a + 1) - (const char *)a->base_color);
-    return memcmp(a->base_color, b->base_color, size);
+    const int result = memcmp(a->base_color, b->base_color, size);
+    if (result || !scene->extensions)
+        return result;
+    return memcmp(&scene->extensions[a - scene->materials], &scene->extensions[b - scene->materials],
+                  sizeof *scene->extensions);
 }
 
 static gw_code rank_materials(order *self, gw_error *error) {
@@ -127,13 +131,18 @@ static void sort_equal_codes(gw_keyed *entries, size_t count, order *self) {
     }
 }
 
-/* Marks what equals the triangle before it, but for blended surfaces, of which two show more than one. */
+/* Of surfaces through which one sees, two show more than one. */
+static int lets_through(const gw_scene *scene, uint32_t material) {
+    return scene->materials[material].alpha_mode == GW_ALPHA_BLEND ||
+           (scene->extensions && scene->extensions[material].transmission > 0.0f);
+}
+
+/* Marks what equals the triangle before it. */
 static void mark_duplicates(const order *self, const gw_keyed *entries, size_t count, uint8_t *marked) {
     for (size_t i = 1; i < count; i++)
-        marked[i] =
-            entries[i - 1].key == entries[i].key &&
-            compare_content(self, entries[i - 1].value, entries[i].value) == 0 &&
-            self->scene->materials[self->scene->material_of[entries[i].value]].alpha_mode != GW_ALPHA_BLEND;
+        marked[i] = entries[i - 1].key == entries[i].key &&
+                    compare_content(self, entries[i - 1].value, entries[i].value) == 0 &&
+                    !lets_through(self->scene, self->scene->material_of[entries[i].value]);
 }
 
 /* Moves the scene's rows into the order of the entries. */

@@ -148,11 +148,15 @@ static gw_code join_arrays(gw_source_model *target, gw_source_model *part, gw_er
         {&target->world, &part->world, a->vertex_count, b->vertex_count, 3 * sizeof(double), NOTHING},
         {&a->normals, &b->normals, a->vertex_count, b->vertex_count, 3 * sizeof(float), NOTHING},
         {&a->texcoords, &b->texcoords, a->vertex_count, b->vertex_count, 2 * sizeof(float), NOTHING},
+        {&a->second_texcoords, &b->second_texcoords, a->vertex_count, b->vertex_count, 2 * sizeof(float),
+         NOTHING},
         {&a->colors, &b->colors, a->vertex_count, b->vertex_count, 4, WHITE},
         {&a->triangles, &b->triangles, a->triangle_count, b->triangle_count, sizeof *a->triangles, NOTHING},
         {&a->material_of, &b->material_of, a->triangle_count, b->triangle_count, sizeof *a->material_of,
          NOTHING},
         {&a->materials, &b->materials, a->material_count, b->material_count, sizeof *a->materials, NOTHING},
+        {&a->extensions, &b->extensions, a->material_count, b->material_count, sizeof *a->extensions,
+         NOTHING},
         {&a->textures, &b->textures, a->texture_count, b->texture_count, sizeof *a->textures, NOTHING},
         {&a->lights, &b->lights, a->light_count, b->light_count, sizeof *a->lights, NOTHING},
         {&a->viewpoints, &b->viewpoints, a->viewpoint_count, b->viewpoint_count, sizeof *a->viewpoints,
@@ -180,6 +184,22 @@ static void shift_indices(gw_scene *scene, uint32_t vertices, uint32_t materials
     for (uint32_t i = 0; i < scene->material_count; i++)
         if (scene->materials[i].base_color_texture >= 0)
             scene->materials[i].base_color_texture += (int32_t)textures;
+    for (uint32_t i = 0; scene->extensions && i < scene->material_count; i++) {
+        gw_material_extension *e = &scene->extensions[i];
+        gw_texture_use *uses[] = {&e->normal, &e->metallic_roughness, &e->occlusion, &e->emissive_map,
+                                  &e->transmission_map};
+        for (size_t k = 0; k < sizeof uses / sizeof *uses; k++)
+            if (uses[k]->texture >= 0)
+                uses[k]->texture += (int32_t)textures;
+    }
+}
+
+/* Beside a model that has extensions the other gets some that change nothing. */
+static gw_code extend_both(gw_scene *a, gw_scene *b, gw_error *error) {
+    if (!a->extensions && !b->extensions)
+        return GW_OK;
+    gw_code code = gw_scene_extend_materials(a, error);
+    return code == GW_OK ? gw_scene_extend_materials(b, error) : code;
 }
 
 /* Beside a model that moves one that stays has an animation, too: of vertices that stay. */
@@ -205,6 +225,8 @@ gw_code gw_source_model_append(gw_source_model *target, gw_source_model *part, g
         return gw_fail(error, GW_BAD_INPUT,
                        "the models together have more vertices or triangles than a scene can hold");
     gw_code code = append_animation(target, part, error);
+    if (code == GW_OK)
+        code = extend_both(a, b, error);
     if (code != GW_OK)
         return code;
     shift_indices(b, a->vertex_count, a->material_count, a->texture_count);

@@ -31,6 +31,13 @@ typedef uint64_t gw_features;
 #define GW_FEATURE_ACCUMULATE GW_FEATURE_BIT(12)   /* samples of a still view add up */
 #define GW_FEATURE_SHADOWS GW_FEATURE_BIT(13)      /* what stands before a light keeps it away */
 #define GW_FEATURE_MIRROR GW_FEATURE_BIT(14)       /* perfect mirrors reflect, once */
+#define GW_FEATURE_NORMAL_MAPS GW_FEATURE_BIT(15)
+#define GW_FEATURE_MATERIAL_MAPS GW_FEATURE_BIT(16) /* metalness, roughness and occlusion */
+#define GW_FEATURE_EMISSIVE_MAPS GW_FEATURE_BIT(17)
+#define GW_FEATURE_CLEARCOAT GW_FEATURE_BIT(18)
+#define GW_FEATURE_SHEEN GW_FEATURE_BIT(19)
+#define GW_FEATURE_SPECULAR GW_FEATURE_BIT(20) /* reflectance of dielectrics other than 0.04 */
+#define GW_FEATURE_UNLIT GW_FEATURE_BIT(21)
 #define GW_ALL_FEATURES UINT64_MAX
 
 /* What frames decide, not the scene. */
@@ -45,6 +52,11 @@ typedef struct gw_feature_row {
 
 extern const gw_feature_row gw_feature_rows[];
 extern const size_t gw_feature_count;
+
+/* What kernels read the rows of material extensions for (render/material_rows.h). */
+#define GW_EXTENSION_FEATURES                                                                                \
+    (GW_FEATURE_NORMAL_MAPS | GW_FEATURE_MATERIAL_MAPS | GW_FEATURE_EMISSIVE_MAPS | GW_FEATURE_CLEARCOAT |   \
+     GW_FEATURE_SHEEN | GW_FEATURE_SPECULAR | GW_FEATURE_UNLIT)
 
 /* Without these an octree that calls for them cannot be read. */
 #define GW_NEEDED_FEATURES (GW_FEATURE_WIDE_NODES | GW_FEATURE_DENSE_LEAVES)

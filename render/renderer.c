@@ -65,7 +65,9 @@ gw_code gw_renderer_create(gw_gl *device, const gw_scene *scene, const gw_octree
     if (!code && scene->animation && options->settings)
         code = gw_moving_create(device, scene, options->settings, options->log, &renderer->moving, error);
     if (!code)
-        code = gw_scene_buffers_init(device, scene, octree, &renderer->buffers, error);
+        code = gw_scene_buffers_init(device, scene, octree,
+                                     (renderer->forced_features & GW_EXTENSION_FEATURES) != 0,
+                                     &renderer->buffers, error);
     if (!code)
         code = gw_gl_buffer_create(device, "totals", GW_TOTAL_WORDS * sizeof(uint32_t), NULL, 0,
                                    &renderer->totals, error);

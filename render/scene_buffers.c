@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "build/gpu_types.h"
+#include "render/material_rows.h"
 #include "render/root_grid.h"
 
 #include <math.h>
@@ -190,7 +191,7 @@ static gw_code upload_octree(gw_gl *device, const gw_octree *octree, gw_scene_bu
     return code;
 }
 
-gw_code gw_scene_buffers_init(gw_gl *device, const gw_scene *scene, const gw_octree *octree,
+gw_code gw_scene_buffers_init(gw_gl *device, const gw_scene *scene, const gw_octree *octree, int extensions,
                               gw_scene_buffers *out, gw_error *error) {
     memset(out, 0, sizeof *out);
     gw_code code = upload_octree(device, octree, out, error);
@@ -204,6 +205,8 @@ gw_code gw_scene_buffers_init(gw_gl *device, const gw_scene *scene, const gw_oct
         code = gw_texture_set_init(device, scene, &out->textures, error);
     if (!code)
         code = upload_materials(device, scene, out, error);
+    if (!code && (scene->extensions || extensions))
+        code = gw_material_rows_upload(device, scene, &out->extensions, error);
     if (!code)
         code = upload_lights(device, scene, out, error);
     if (code)
@@ -229,7 +232,7 @@ void gw_scene_buffers_finish(gw_scene_buffers *buffers) {
     gw_texture_set_finish(&buffers->textures);
     gw_gl_buffer *all[] = {&buffers->nodes,     &buffers->references, &buffers->triangles, &buffers->payloads,
                            &buffers->faces,     &buffers->vertices,   &buffers->materials, &buffers->lights,
-                           &buffers->emissions, &buffers->boxes};
+                           &buffers->emissions, &buffers->boxes,      &buffers->extensions};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
         gw_gl_buffer_finish(all[i]);
     memset(buffers, 0, sizeof *buffers);
@@ -249,4 +252,6 @@ void gw_scene_buffers_bind(const gw_scene_buffers *buffers, uint32_t texture_fil
         gw_gl_texture_bind(&buffers->emissions, 8 + GW_MAXIMUM_TEXTURE_CLASSES);
     if (buffers->boxes.texture)
         gw_gl_texture_bind(&buffers->boxes, 9 + GW_MAXIMUM_TEXTURE_CLASSES);
+    if (buffers->extensions.texture)
+        gw_gl_texture_bind(&buffers->extensions, GW_UNIT_EXTENSIONS);
 }

@@ -13,12 +13,14 @@
 
 typedef struct gw_scene_buffers {
     gw_gl_buffer nodes, references, triangles, payloads, emissions, boxes, faces, vertices, materials, lights;
+    gw_gl_buffer extensions; /* of materials; empty without any */
     gw_texture_set textures;
     uint32_t root_grid_level;                /* of the grid behind the nodes (root_grid.h), 0: none */
     uint32_t directional_count, point_count; /* lights, in this order in the buffer */
 } gw_scene_buffers;
 
-gw_code gw_scene_buffers_init(gw_gl *device, const gw_scene *scene, const gw_octree *octree,
+/* extensions: 1: the rows of material extensions exist even if no material has any. */
+gw_code gw_scene_buffers_init(gw_gl *device, const gw_scene *scene, const gw_octree *octree, int extensions,
                               gw_scene_buffers *out, gw_error *error);
 /* The same scene in another pose, with its octree: what depends on it is uploaded again. */
 gw_code gw_scene_buffers_move(gw_gl *device, const gw_scene *scene, const gw_octree *octree,

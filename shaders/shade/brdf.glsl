@@ -17,9 +17,16 @@ vec3 specular_at_normal(Surface surface) {
     return mix(vec3(0.04), surface.base_color, surface.metalness);
 }
 
-vec3 reflect_ambient(Surface surface, vec3 irradiance) {
-    precise vec3 reflected = irradiance * INVERSE_PI *
-                             (surface.base_color * (1.0 - surface.metalness) + specular_at_normal(surface));
+// What share the mirror-like part of a surface reflects towards `view` of light that is the same all over its lobe.
+vec3 environment_specular(Surface surface, vec3 view) {
+    return specular_at_normal(surface);
+}
+
+// Radiance towards `view` from light all around: irradiance about the normal; radiance as a lobe of the surface's roughness about the
+// mirrored view sees it.
+vec3 reflect_environment(Surface surface, vec3 view, vec3 irradiance, vec3 radiance) {
+    precise vec3 reflected = irradiance * INVERSE_PI * (surface.base_color * (1.0 - surface.metalness)) +
+                             radiance * environment_specular(surface, view);
     return reflected;
 }
 

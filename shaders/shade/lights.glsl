@@ -8,7 +8,7 @@
 
 // fragment: which of the dispatch it is.
 vec3 light_surface(Surface surface, vec3 view, uint fragment) {
-    precise vec3 radiance = surface.emissive + reflect_ambient(surface, frame.ambient.rgb);
+    precise vec3 radiance = surface.emissive + reflect_environment(surface, view, frame.ambient.rgb, frame.ambient.rgb * INVERSE_PI);
 #ifdef DIRECTIONAL_LIGHTS
     for (uint i = 0u; i < frame.counts.y; ++i) {
         vec3 towards = uintBitsToFloat(texelFetch(lights, int(i) * 2).xyz);

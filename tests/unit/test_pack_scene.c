@@ -142,6 +142,43 @@ static void no_colors_stay_none(void **state) {
     free(f);
 }
 
+static void extensions_come_back_or_are_refused(void **state) {
+    (void)state;
+    fixture *f = make_fixture();
+    float second[VERTICES][2] = {{0.25f, 0.5f}, {0.75f, 1}};
+    gw_material_extension extensions[2] = {gw_material_extension_none(), gw_material_extension_none()};
+    extensions[1].normal.texture = 1;
+    extensions[1].normal.coordinate = 1;
+    extensions[1].clearcoat = 0.5f;
+    f->scene.extensions = extensions;
+    f->scene.second_texcoords = second[0];
+    size_t size;
+    void *block = pack(f, &size);
+    gw_unpacked_scene u;
+    check_ok(gw_unpack_scene(block, size, &u, &error));
+    assert_memory_equal(u.scene.extensions, extensions, sizeof extensions);
+    assert_memory_equal(u.scene.second_texcoords, second, sizeof second);
+    gw_unpacked_scene_finish(&u);
+    for (int i = 0; i < 6; i++) {
+        gw_material_extension e = extensions[1];
+        e.normal.texture = i == 0 ? 2 : 1;
+        e.occlusion.coordinate = i == 1 ? 2 : 0;
+        e.emissive_map.to_uv[1][2] = i == 2 ? NAN : 0;
+        e.ior = i == 3 ? 0.5f : 1.5f;
+        e.sheen_color[2] = i == 4 ? 1.5f : 0;
+        e.transmission = i == 5 ? NAN : 0;
+        f->scene.extensions[1] = e;
+        gw_pack_scene(&f->scene, block);
+        check_fails(gw_unpack_scene(block, size, &u, &error), GW_BAD_INPUT,
+                    i < 3    ? "a map whose picture"
+                    : i == 3 ? "an index of refraction"
+                    : i == 4 ? "a sheen colour"
+                             : "a transmission");
+    }
+    free(block);
+    free(f);
+}
+
 /* A joint that moves one vertex along, in the fixture's scene. */
 static gw_animation *make_animation(void) {
     static const double positions[VERTICES][3] = {{0}};
@@ -297,9 +334,13 @@ static void a_flipped_head_is_harmless(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(everything_comes_back),         cmocka_unit_test(no_colors_stay_none),
-        cmocka_unit_test(what_moves_comes_back),         cmocka_unit_test(broken_animations_are_refused),
-        cmocka_unit_test(equal_input_gives_equal_bytes), cmocka_unit_test(damage_is_noticed),
+        cmocka_unit_test(everything_comes_back),
+        cmocka_unit_test(no_colors_stay_none),
+        cmocka_unit_test(extensions_come_back_or_are_refused),
+        cmocka_unit_test(what_moves_comes_back),
+        cmocka_unit_test(broken_animations_are_refused),
+        cmocka_unit_test(equal_input_gives_equal_bytes),
+        cmocka_unit_test(damage_is_noticed),
         cmocka_unit_test(a_flipped_head_is_harmless),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,15 @@
+/* What materials have beyond gw_gpu_material, as the GPU reads it (gw_gpu_extension). Belongs to the thread
+ * of its GL device. */
+#ifndef GW_RENDER_MATERIAL_ROWS_H
+#define GW_RENDER_MATERIAL_ROWS_H
+
+#include "base/gl.h"
+#include "base/status.h"
+#include "build/scene.h"
+
+enum { GW_UNIT_EXTENSIONS = 17 }; /* texture unit of the rows */
+
+/* Rows of all materials; those of a scene without extensions change nothing. */
+gw_code gw_material_rows_upload(gw_gl *device, const gw_scene *scene, gw_gl_buffer *out, gw_error *error);
+
+#endif

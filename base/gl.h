@@ -68,6 +68,10 @@ typedef struct gw_gl_usage {
 } gw_gl_usage;
 gw_gl_usage gw_gl_usage_of(const gw_gl *device);
 void gw_gl_reset_peak(gw_gl *device);
+/* Bytes of the buffers of this name that exist now; and all names that buffers had so far, by index: NULL
+ * past the last. */
+uint64_t gw_gl_buffer_bytes(const gw_gl *device, const char *name);
+const char *gw_gl_buffer_name(const gw_gl *device, size_t index);
 
 /* Compute program from shaders/<name> ("trace/primary.comp"). #include "common/x.glsl" is resolved against
  * shaders/, each file once; #line keeps error positions. defines is a text of "#define A 1\n" lines put after
@@ -77,6 +81,8 @@ gw_code gw_gl_program(gw_gl *device, const char *name, const char *defines, GLui
 /* Program that draws, from shaders/<name>.vert, .geom and .frag. */
 gw_code gw_gl_draw_program(gw_gl *device, const char *name, const char *defines, GLuint *out,
                            gw_error *error);
+/* The programs that were compiled so far, by index: 0 past the last. */
+int gw_gl_program_at(const gw_gl *device, size_t index, const char **name, const char **defines);
 /* The assembled text that gw_gl_program would compile; free() it. */
 gw_code gw_gl_shader_text(gw_gl *device, const char *name, const char *defines, char **out, gw_error *error);
 /* Location of a uniform that must exist and be used; GW_MACHINE names both otherwise. -1 is never returned as

@@ -1,6 +1,8 @@
 /* Buffers of fixed size, checked against the driver's limits before they are made. */
 #include "base/gl_private.h"
 
+#include "base/memory.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -80,6 +82,45 @@ static void fill(GLuint id, size_t size, size_t allocated, const void *data) {
     }
 }
 
+/* The row of a name, or NULL. */
+static gw_gl_named_bytes *find_named(const gw_gl *device, const char *name) {
+    for (size_t i = 0; i < device->named_count; i++) {
+        if (!strcmp(device->named[i].name, name)) {
+            return &device->named[i];
+        }
+    }
+    return NULL;
+}
+
+static gw_code count_bytes(gw_gl *device, const gw_gl_buffer *buffer, gw_error *error) {
+    gw_gl_named_bytes *row = find_named(device, buffer->name);
+    if (!row) {
+        gw_code code = gw_grow((void **)&device->named, &device->named_capacity, device->named_count + 1,
+                               sizeof *row, "names of buffers", error);
+        if (code) {
+            return code;
+        }
+        row = &device->named[device->named_count++];
+        memcpy(row->name, buffer->name, sizeof row->name);
+        row->bytes = 0;
+    }
+    row->bytes += buffer->size;
+    device->usage.bytes += buffer->size;
+    if (device->usage.peak < device->usage.bytes) {
+        device->usage.peak = device->usage.bytes;
+    }
+    return GW_OK;
+}
+
+uint64_t gw_gl_buffer_bytes(const gw_gl *device, const char *name) {
+    const gw_gl_named_bytes *row = find_named(device, name);
+    return row ? row->bytes : 0;
+}
+
+const char *gw_gl_buffer_name(const gw_gl *device, size_t index) {
+    return index < device->named_count ? device->named[index].name : NULL;
+}
+
 gw_code gw_gl_buffer_create(gw_gl *device, const char *name, size_t size, const void *data, GLenum as_texture,
                             gw_gl_buffer *out, gw_error *error) {
     *out = (gw_gl_buffer){0};
@@ -96,11 +137,12 @@ gw_code gw_gl_buffer_create(gw_gl *device, const char *name, size_t size, const 
     }
     out->size = size == 0 ? GRANULE : size;
     const size_t allocated = rounded(out->size);
-    out->device = device;
-    device->usage.bytes += out->size;
-    if (device->usage.peak < device->usage.bytes) {
-        device->usage.peak = device->usage.bytes;
+    code = count_bytes(device, out, error);
+    if (code) {
+        *out = (gw_gl_buffer){0};
+        return code;
     }
+    out->device = device;
     out->keeper = device->pool.on ? device : NULL;
     gw_gl_pool_take(device, allocated, &out->id, &out->capacity);
     if (!out->id) {
@@ -135,6 +177,7 @@ void gw_gl_reset_peak(gw_gl *device) {
 void gw_gl_buffer_finish(gw_gl_buffer *buffer) {
     if (buffer->device) {
         buffer->device->usage.bytes -= buffer->size;
+        find_named(buffer->device, buffer->name)->bytes -= buffer->size;
     }
     if (buffer->texture) {
         glDeleteTextures(1, &buffer->texture);

@@ -121,6 +121,7 @@ void gw_gl_destroy(gw_gl **device) {
     gw_gl_egl_close(gone);
     gw_window_destroy(&gone->window);
     free(gone->shader_folder);
+    free(gone->named);
     free(gone);
     *device = NULL;
 }

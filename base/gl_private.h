@@ -19,6 +19,12 @@ typedef struct gw_gl_idle {
     size_t capacity;
 } gw_gl_idle;
 
+/* Bytes of the buffers of one name. */
+typedef struct gw_gl_named_bytes {
+    char name[32];
+    uint64_t bytes;
+} gw_gl_named_bytes;
+
 typedef struct gw_gl_pool {
     int on;
     gw_gl_idle *idle;
@@ -37,6 +43,8 @@ struct gw_gl {
     size_t program_count, program_capacity;
     gw_gl_pool pool;
     gw_gl_usage usage;
+    gw_gl_named_bytes *named; /* a row for each name that a buffer ever had */
+    size_t named_count, named_capacity;
     gw_gl_pulse *pulse;
     void *pulse_context;
 };

@@ -185,6 +185,14 @@ gw_code gw_gl_draw_program(gw_gl *device, const char *name, const char *defines,
     return find_program(device, stages, 3, defines, out, error);
 }
 
+int gw_gl_program_at(const gw_gl *device, size_t index, const char **name, const char **defines) {
+    if (index >= device->program_count)
+        return 0;
+    *name = device->programs[index].name;
+    *defines = device->programs[index].defines;
+    return 1;
+}
+
 gw_code gw_gl_shader_text(gw_gl *device, const char *name, const char *defines, char **out, gw_error *error) {
     *out = NULL;
     gw_shader_text text;

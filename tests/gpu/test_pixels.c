@@ -156,11 +156,9 @@ static void other_renderer(const gw_renderer_options *options, const char *what,
     gw_renderer_destroy(&other);
 }
 
+/* Effect by effect: test_effects.c. */
 static void forcing_effects_changes_no_pixel(void **state) {
     (void)state;
-    for (size_t i = 0; i < gw_feature_count; ++i)
-        other_renderer(&(gw_renderer_options){.force_features = gw_feature_rows[i].bit},
-                       gw_feature_rows[i].name, NULL);
     other_renderer(&(gw_renderer_options){.force_features = GW_ALL_FEATURES}, "all effects", NULL);
 }
 

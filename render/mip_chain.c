@@ -6,14 +6,38 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
-static void fill_decode_table(uint16_t table[256]) {
+void gw_texel_curve_init(gw_texel_curve *out) {
     for (int i = 0; i < 256; ++i)
-        table[i] = (uint16_t)lround(gw_srgb_to_linear(i / 255.0) * 65535.0);
+        out->decode[i] = (uint16_t)lround(gw_srgb_to_linear(i / 255.0) * 65535.0);
+    /* Bounds between neighbouring bytes: a power per byte, not per value. */
+    uint32_t value = 0;
+    for (int byte = 0; byte < 256; ++byte) {
+        uint32_t end =
+            byte == 255 ? 65536 : (uint32_t)ceil(gw_srgb_to_linear((byte + 0.5) / 255.0) * 65535.0);
+        for (; value < end; ++value)
+            out->encode[value] = (uint8_t)byte;
+    }
 }
 
-/* Where an output position falls in the source: up to two source texels and the share of the second when
- * growing; a range with its first and last partly covered when shrinking. */
+/* --- resizing --------------------------------------------------------------------------------------------
+ */
+
+/* A source texel along one axis that an output position takes from, and its share. */
+typedef struct tap {
+    uint32_t at;
+    double share;
+} tap;
+
+/* Of all output positions of an axis. */
+typedef struct axis_taps {
+    tap *taps;
+    uint32_t *first; /* [side + 1] into taps */
+} axis_taps;
+
+/* Where an output position falls in the source: two texels and the share of the second when growing; a range
+ * with its first and last partly covered when shrinking. */
 typedef struct axis_span {
     int64_t first, last;            /* inclusive, before wrapping */
     double first_share, last_share; /* of those two; all between count 1 */
@@ -49,62 +73,95 @@ static uint32_t wrapped(int64_t i, uint32_t size, gw_wrap wrap) {
     return (uint32_t)(i < 0 ? 0 : i >= n ? n - 1 : i);
 }
 
-static uint16_t to_16_bits(double value) {
-    return (uint16_t)lround(fmin(fmax(value, 0.0), 65535.0));
+static void axis_finish(axis_taps *axis) {
+    free(axis->taps);
+    free(axis->first);
+    *axis = (axis_taps){0};
 }
 
-static void resample(const gw_texture *texture, const uint16_t decode[256], uint32_t x, uint32_t y,
-                     uint32_t side, uint16_t out[4]) {
-    const gw_image *image = &texture->image;
-    axis_span across = span_of(x, side, image->width), down = span_of(y, side, image->height);
+static gw_code axis_init(uint32_t side, uint32_t source, gw_wrap wrap, axis_taps *out, gw_error *error) {
+    *out = (axis_taps){0};
+    /* Two for each output texel; neighbours that shrink share the source texel between them. */
+    size_t most = 2 * (size_t)side + (source > side ? source : 0);
+    gw_code code = gw_allocate((void **)&out->taps, most, sizeof *out->taps, "taps", error);
+    if (!code)
+        code = gw_allocate((void **)&out->first, (size_t)side + 1, sizeof *out->first, "taps", error);
+    uint32_t count = 0;
+    for (uint32_t at = 0; !code && at < side; ++at) {
+        axis_span span = span_of(at, side, source);
+        out->first[at] = count;
+        for (int64_t i = span.first; i <= span.last; ++i)
+            out->taps[count++] = (tap){wrapped(i, source, wrap), share_at(&span, i)};
+        out->first[at + 1] = count;
+    }
+    return code;
+}
+
+static uint16_t to_16_bits(double value) {
+    return (uint16_t)((value < 0.0 ? 0.0 : value > 65535.0 ? 65535.0 : value) + 0.5);
+}
+
+static void resample(const gw_texel_curve *curve, const gw_image *image, const axis_taps *across,
+                     const axis_taps *down, uint32_t x, uint32_t y, uint16_t out[4]) {
     double color[3] = {0}, plain[3] = {0}, alpha = 0.0, weight = 0.0;
-    for (int64_t j = down.first; j <= down.last; ++j)
-        for (int64_t i = across.first; i <= across.last; ++i) {
-            size_t column = wrapped(i, image->width, texture->wrap_u);
-            size_t row = wrapped(j, image->height, texture->wrap_v);
-            const uint8_t *texel = image->rgba + (row * image->width + column) * 4;
-            double share = share_at(&across, i) * share_at(&down, j);
+    for (uint32_t j = down->first[y]; j < down->first[y + 1]; ++j) {
+        const uint8_t *row = image->rgba + (size_t)down->taps[j].at * image->width * 4;
+        for (uint32_t i = across->first[x]; i < across->first[x + 1]; ++i) {
+            const uint8_t *texel = row + (size_t)across->taps[i].at * 4;
+            double share = across->taps[i].share * down->taps[j].share;
             double opacity = share * texel[3];
             for (int c = 0; c < 3; ++c) {
-                color[c] += opacity * decode[texel[c]];
-                plain[c] += share * decode[texel[c]];
+                color[c] += opacity * curve->decode[texel[c]];
+                plain[c] += share * curve->decode[texel[c]];
             }
             alpha += opacity;
             weight += share;
         }
+    }
     for (int c = 0; c < 3; ++c)
         out[c] = to_16_bits(alpha > 0.0 ? color[c] / alpha : plain[c] / weight);
     out[3] = to_16_bits(alpha / weight * 257.0);
 }
 
-static void copy_texels(const gw_texture *texture, const uint16_t decode[256], gw_linear_image *out) {
+static gw_code resize(const gw_texel_curve *curve, const gw_texture *texture, gw_linear_image *out,
+                      gw_error *error) {
+    const gw_image *image = &texture->image;
+    axis_taps across = {0}, down = {0};
+    gw_code code = axis_init(out->side, image->width, texture->wrap_u, &across, error);
+    if (!code)
+        code = axis_init(out->side, image->height, texture->wrap_v, &down, error);
+    for (uint32_t y = 0; !code && y < out->side; ++y)
+        for (uint32_t x = 0; x < out->side; ++x)
+            resample(curve, image, &across, &down, x, y, out->texels[(size_t)y * out->side + x]);
+    axis_finish(&across);
+    axis_finish(&down);
+    return code;
+}
+
+/* --- images ----------------------------------------------------------------------------------------------
+ */
+
+static void copy_texels(const gw_texel_curve *curve, const gw_texture *texture, gw_linear_image *out) {
     size_t count = (size_t)out->side * out->side;
     for (size_t i = 0; i < count; ++i) {
         const uint8_t *texel = texture->image.rgba + i * 4;
         for (int c = 0; c < 3; ++c)
-            out->texels[i][c] = decode[texel[c]];
+            out->texels[i][c] = curve->decode[texel[c]];
         out->texels[i][3] = (uint16_t)(texel[3] * 257);
     }
 }
 
-gw_code gw_linear_image_init(const gw_texture *texture, uint32_t side, gw_linear_image *out,
-                             gw_error *error) {
+gw_code gw_linear_image_init(const gw_texel_curve *curve, const gw_texture *texture, uint32_t side,
+                             gw_linear_image *out, gw_error *error) {
     void *memory = NULL;
     gw_code code = gw_allocate(&memory, (size_t)side * side, sizeof *out->texels, "texels", error);
-    if (code)
-        return gw_context(error, "texture %s", texture->name);
     out->texels = memory;
     out->side = side;
-    uint16_t decode[256];
-    fill_decode_table(decode);
-    if (texture->image.width == side && texture->image.height == side) {
-        copy_texels(texture, decode, out);
-        return GW_OK;
-    }
-    for (uint32_t y = 0; y < side; ++y)
-        for (uint32_t x = 0; x < side; ++x)
-            resample(texture, decode, x, y, side, out->texels[(size_t)y * side + x]);
-    return GW_OK;
+    if (!code && texture->image.width == side && texture->image.height == side)
+        copy_texels(curve, texture, out);
+    else if (!code)
+        code = resize(curve, texture, out, error);
+    return code ? gw_context(error, "texture %s", texture->name) : GW_OK;
 }
 
 void gw_linear_image_finish(gw_linear_image *image) {
@@ -113,46 +170,47 @@ void gw_linear_image_finish(gw_linear_image *image) {
     image->side = 0;
 }
 
+/* The mean of four texels; where all are opaque, in the same rounding, without the divisions by alpha. */
+static void mean_of_four(const uint16_t *const four[4], uint16_t out[4]) {
+    uint32_t alpha = 0;
+    for (int k = 0; k < 4; ++k)
+        alpha += four[k][3];
+    if (alpha == 4 * 65535u || alpha == 0) {
+        for (int c = 0; c < 3; ++c)
+            out[c] = (uint16_t)((four[0][c] + four[1][c] + four[2][c] + four[3][c] + 2) / 4);
+        out[3] = (uint16_t)(alpha / 4);
+        return;
+    }
+    for (int c = 0; c < 3; ++c) {
+        uint64_t color = alpha / 2;
+        for (int k = 0; k < 4; ++k)
+            color += (uint64_t)four[k][3] * four[k][c];
+        out[c] = (uint16_t)(color / alpha);
+    }
+    out[3] = (uint16_t)((alpha + 2) / 4);
+}
+
 /* In place: the texel written is never ahead of those read. */
 void gw_linear_image_halve(gw_linear_image *image) {
     uint32_t half = image->side / 2;
     for (uint32_t y = 0; y < half; ++y)
         for (uint32_t x = 0; x < half; ++x) {
-            uint64_t color[3] = {0}, plain[3] = {0}, alpha = 0;
-            for (uint32_t k = 0; k < 4; ++k) {
-                const uint16_t *texel = image->texels[(size_t)(2 * y + k / 2) * image->side + 2 * x + k % 2];
-                for (int c = 0; c < 3; ++c) {
-                    color[c] += (uint64_t)texel[3] * texel[c];
-                    plain[c] += texel[c];
-                }
-                alpha += texel[3];
-            }
-            uint16_t *out = image->texels[(size_t)y * half + x];
-            for (int c = 0; c < 3; ++c)
-                out[c] = (uint16_t)(alpha > 0 ? (color[c] + alpha / 2) / alpha : (plain[c] + 2) / 4);
-            out[3] = (uint16_t)((alpha + 2) / 4);
+            const uint16_t(*above)[4] =
+                (const uint16_t(*)[4])image->texels + (size_t)(2 * y) * image->side + 2 * x;
+            const uint16_t(*below)[4] = above + image->side;
+            const uint16_t *const four[4] = {above[0], above[1], below[0], below[1]};
+            uint16_t mean[4];
+            mean_of_four(four, mean);
+            memcpy(image->texels[(size_t)y * half + x], mean, sizeof mean);
         }
     image->side = half;
 }
 
-void gw_linear_image_encode(const gw_linear_image *image, uint8_t *rgba) {
-    /* Bounds between neighbouring bytes, so that encoding is a search and not a power per texel. */
-    uint16_t least[256];
-    uint8_t guess[257]; /* byte of the least value with these upper eight bits */
-    least[0] = 0;
-    for (int i = 1; i < 256; ++i)
-        least[i] = (uint16_t)ceil(gw_srgb_to_linear((i - 0.5) / 255.0) * 65535.0);
-    for (int i = 0; i <= 256; ++i)
-        guess[i] = (uint8_t)floor(gw_srgb_from_linear(fmin(i * 256 / 65535.0, 1.0)) * 255.0);
+void gw_linear_image_encode(const gw_texel_curve *curve, const gw_linear_image *image, uint8_t *rgba) {
     size_t count = (size_t)image->side * image->side;
     for (size_t i = 0; i < count; ++i) {
-        for (int c = 0; c < 3; ++c) {
-            uint16_t value = image->texels[i][c];
-            uint32_t byte = guess[value >> 8];
-            while (byte < 255 && least[byte + 1] <= value)
-                ++byte;
-            rgba[i * 4 + (size_t)c] = (uint8_t)byte;
-        }
+        for (size_t c = 0; c < 3; ++c)
+            rgba[i * 4 + c] = curve->encode[image->texels[i][c]];
         rgba[i * 4 + 3] = (uint8_t)((image->texels[i][3] + 128) / 257);
     }
 }

@@ -97,18 +97,21 @@ static gw_code create_arrays(gw_gl *device, gw_texture_set *set, gw_error *error
     return GW_OK;
 }
 
-static gw_code upload(const gw_texture_set *set, const gw_texture *texture, uint32_t size_class,
-                      uint32_t layer, gw_error *error) {
+static gw_code upload(const gw_texture_set *set, const gw_texel_curve *curve, const gw_texture *texture,
+                      uint32_t size_class, uint32_t layer, gw_error *error) {
     gw_linear_image image = {0};
     void *rgba = NULL;
     uint32_t side = set->side[size_class];
+    const int as_it_is = texture->image.width == side && texture->image.height == side;
     gw_code code = gw_allocate(&rgba, (size_t)side * side, 4, "texture bytes", error);
     if (!code)
-        code = gw_linear_image_init(texture, side, &image, error);
+        code = gw_linear_image_init(curve, texture, side, &image, error);
     for (uint32_t level = 0; !code; ++level) {
-        gw_linear_image_encode(&image, rgba);
+        const void *bytes = level == 0 && as_it_is ? texture->image.rgba : rgba;
+        if (bytes == rgba)
+            gw_linear_image_encode(curve, &image, rgba);
         glTextureSubImage3D(set->arrays[size_class], (GLint)level, 0, 0, (GLint)layer, (GLsizei)image.side,
-                            (GLsizei)image.side, 1, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+                            (GLsizei)image.side, 1, GL_RGBA, GL_UNSIGNED_BYTE, bytes);
         if (image.side == 1)
             break;
         gw_linear_image_halve(&image);
@@ -149,6 +152,11 @@ gw_code gw_texture_set_init(gw_gl *device, const gw_scene *scene, gw_texture_set
         plan_classes(&plan, out);
         code = create_arrays(device, out, error);
     }
+    gw_texel_curve *curve = NULL;
+    if (!code && out->class_count > 0)
+        code = gw_allocate((void **)&curve, 1, sizeof *curve, "texel curve", error);
+    if (curve)
+        gw_texel_curve_init(curve);
     uint32_t next_layer[GW_MAXIMUM_TEXTURE_CLASSES] = {0};
     for (uint32_t i = 0; !code && i < scene->texture_count; ++i) {
         out->words[i] = GW_NO_TEXTURE;
@@ -157,8 +165,9 @@ gw_code gw_texture_set_init(gw_gl *device, const gw_scene *scene, gw_texture_set
         uint32_t size_class = plan.class_of[plan.class_bits[i]];
         uint32_t layer = next_layer[size_class]++;
         out->words[i] = word_of(&scene->textures[i], size_class, layer);
-        code = upload(out, &scene->textures[i], size_class, layer, error);
+        code = upload(out, curve, &scene->textures[i], size_class, layer, error);
     }
+    free(curve);
     free(plan.class_bits);
     if (!code) {
         create_samplers(out);

@@ -3,6 +3,8 @@
 
 #include "render/mip_chain.h"
 
+static gw_texel_curve curve;
+
 static gw_texture texture_of(uint32_t width, uint32_t height, uint8_t *rgba) {
     return (gw_texture){.name = "test", .image = {width, height, rgba}};
 }
@@ -14,8 +16,8 @@ static void equal_sizes_come_back_byte_for_byte(void **state) {
         rgba[i] = (uint8_t)(i * 37 + i / 256 * 11);
     gw_texture texture = texture_of(16, 16, rgba);
     gw_linear_image image;
-    check_ok(gw_linear_image_init(&texture, 16, &image, &error));
-    gw_linear_image_encode(&image, back);
+    check_ok(gw_linear_image_init(&curve, &texture, 16, &image, &error));
+    gw_linear_image_encode(&curve, &image, back);
     assert_memory_equal(rgba, back, sizeof rgba);
     gw_linear_image_finish(&image);
 }
@@ -27,8 +29,8 @@ static void every_byte_survives_decoding_and_encoding(void **state) {
         memset(rgba + i * 4, (int)i, 4);
     gw_texture texture = texture_of(16, 16, rgba);
     gw_linear_image image;
-    check_ok(gw_linear_image_init(&texture, 16, &image, &error));
-    gw_linear_image_encode(&image, back);
+    check_ok(gw_linear_image_init(&curve, &texture, 16, &image, &error));
+    gw_linear_image_encode(&curve, &image, back);
     assert_memory_equal(rgba, back, sizeof rgba);
     gw_linear_image_finish(&image);
 }
@@ -39,10 +41,10 @@ static void means_are_taken_in_linear_light(void **state) {
     uint8_t rgba[2 * 2 * 4] = {0, 0, 0, 255, 255, 255, 255, 255, 255, 255, 255, 255, 0, 0, 0, 255}, back[4];
     gw_texture texture = texture_of(2, 2, rgba);
     gw_linear_image image;
-    check_ok(gw_linear_image_init(&texture, 2, &image, &error));
+    check_ok(gw_linear_image_init(&curve, &texture, 2, &image, &error));
     gw_linear_image_halve(&image);
     assert_int_equal(image.side, 1);
-    gw_linear_image_encode(&image, back);
+    gw_linear_image_encode(&curve, &image, back);
     const uint8_t wanted[4] = {188, 188, 188, 255};
     assert_memory_equal(back, wanted, 4);
     gw_linear_image_finish(&image);
@@ -53,9 +55,9 @@ static void transparent_texels_do_not_bleed(void **state) {
     uint8_t rgba[2 * 2 * 4] = {200, 10, 10, 255, 0, 255, 0, 0, 0, 255, 0, 0, 0, 255, 0, 0}, back[4];
     gw_texture texture = texture_of(2, 2, rgba);
     gw_linear_image image;
-    check_ok(gw_linear_image_init(&texture, 2, &image, &error));
+    check_ok(gw_linear_image_init(&curve, &texture, 2, &image, &error));
     gw_linear_image_halve(&image);
-    gw_linear_image_encode(&image, back);
+    gw_linear_image_encode(&curve, &image, back);
     const uint8_t wanted[4] = {200, 10, 10, 64};
     assert_memory_equal(back, wanted, 4);
     gw_linear_image_finish(&image);
@@ -71,8 +73,8 @@ static void resizing_keeps_flat_colour_and_the_mean(void **state) {
         gw_texture texture = texture_of(12, 20, flat); /* grows across, shrinks down */
         texture.wrap_u = texture.wrap_v = wraps[w];
         gw_linear_image image;
-        check_ok(gw_linear_image_init(&texture, 16, &image, &error));
-        gw_linear_image_encode(&image, back);
+        check_ok(gw_linear_image_init(&curve, &texture, 16, &image, &error));
+        gw_linear_image_encode(&curve, &image, back);
         for (size_t i = 0; i < sizeof back; ++i)
             assert_int_equal(back[i], flat[i % 4]);
         gw_linear_image_finish(&image);
@@ -84,14 +86,15 @@ static void resizing_keeps_flat_colour_and_the_mean(void **state) {
     memset(line + 7 * 4, 255, 4);
     gw_texture texture = texture_of(1, 60, line);
     gw_linear_image image;
-    check_ok(gw_linear_image_init(&texture, 1, &image, &error));
+    check_ok(gw_linear_image_init(&curve, &texture, 1, &image, &error));
     assert_in_range(image.texels[0][0], 1091, 1093);
-    gw_linear_image_encode(&image, one);
+    gw_linear_image_encode(&curve, &image, one);
     assert_int_equal(one[3], 255);
     gw_linear_image_finish(&image);
 }
 
 int main(void) {
+    gw_texel_curve_init(&curve);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(equal_sizes_come_back_byte_for_byte),
         cmocka_unit_test(every_byte_survives_decoding_and_encoding),

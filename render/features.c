@@ -141,6 +141,8 @@ gw_code gw_kernel_defines(const gw_kernel_key *key, char *text, size_t size, gw_
     for (size_t i = 0; i < gw_feature_count; ++i)
         if (key->features & gw_feature_rows[i].bit)
             append(&out, "#define %s 1\n", gw_feature_rows[i].define);
+    if (key->features & GW_SECONDARY_FEATURES)
+        append(&out, "#define SECONDARY 1\n");
     if (key->voxels_only)
         append(&out, "#define VOXELS_ONLY 1\n");
     if (key->level_blend)

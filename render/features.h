@@ -40,6 +40,9 @@ typedef uint64_t gw_features;
 #define GW_FEATURE_UNLIT GW_FEATURE_BIT(21)
 #define GW_ALL_FEATURES UINT64_MAX
 
+/* What makes fragments ask for secondary rays. */
+#define GW_SECONDARY_FEATURES GW_FEATURE_MIRROR
+
 /* What frames decide, not the scene. */
 #define GW_FRAME_FEATURES (GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_SPARSE | GW_FEATURE_ACCUMULATE)
 
@@ -78,7 +81,7 @@ typedef struct gw_kernel_key {
     uint32_t loop_budget;
     uint32_t debug; /* gw_debug_view */
     int voxels_only, level_blend, leaf_blend, double_edges, count, resume, any_hit;
-    int reflected;      /* its rays come from mirrors */
+    int reflected;      /* its rays are secondary ones, from a buffer */
     int until_coarse;   /* the first round of a frame with voxels: see renderer_batch.c */
     int gaze_seed;      /* gaze_rule = seed */
     int guides;         /* samples tell what they met, for edge-aware reconstruction */

@@ -96,7 +96,8 @@ void gw_renderer_destroy(gw_renderer **renderer) {
     gw_renderer *r = *renderer;
     gw_ray_buffers_finish(&r->rays);
     gw_shadow_buffers_finish(&r->shadows);
-    gw_mirror_buffers_finish(&r->mirrors);
+    for (size_t i = 0; i < GW_MOST_BOUNCES; ++i)
+        gw_secondary_buffers_finish(&r->secondary[i]);
     gw_scene_buffers_finish(&r->buffers);
     gw_moving_destroy(&r->moving);
     gw_gl_buffer_finish(&r->totals);
@@ -142,8 +143,8 @@ void gw_renderer_ray_memory(const gw_renderer *renderer, uint64_t *bytes, uint64
     *bytes = bytes_of_ray(renderer, fragments, 1);
     if (renderer->scene_features & GW_FEATURE_SHADOWS)
         *bytes += gw_shadow_ray_bytes(fragments, renderer->scene->light_count);
-    if (renderer->scene_features & GW_FEATURE_MIRROR)
-        *bytes += gw_mirror_ray_bytes(fragments) + bytes_of_ray(renderer, fragments, 0);
+    if (renderer->scene_features & GW_SECONDARY_FEATURES)
+        *bytes += gw_secondary_ray_bytes(fragments) + bytes_of_ray(renderer, fragments, 0);
     *rays = gw_renderer_chunk_slots(renderer);
     *lists = (uint64_t)GW_MOST_SAMPLES * (GW_SAMPLE_BYTES + GW_SAMPLE_PIXEL_BYTES);
 }
@@ -302,6 +303,9 @@ gw_code gw_renderer_report(const gw_renderer *renderer, json_t *report, gw_error
 
 gw_renderer_parts gw_renderer_parts_of(const gw_renderer *renderer) {
     const gw_scene_buffers *scene = &renderer->buffers;
+    uint64_t secondary = 0;
+    for (size_t i = 0; i < GW_MOST_BOUNCES; ++i)
+        secondary += gw_secondary_buffers_bytes(&renderer->secondary[i]);
     return (gw_renderer_parts){
         .nodes = scene->nodes.size,
         .references = scene->references.size + scene->boxes.size,
@@ -313,7 +317,7 @@ gw_renderer_parts gw_renderer_parts_of(const gw_renderer *renderer) {
                 renderer->found_hits.size + gw_ray_buffers_bytes(&renderer->rays) +
                 gw_sample_buffers_bytes(&renderer->samples) + gw_accumulation_bytes(&renderer->accumulation) +
                 gw_accumulation_bytes(&renderer->other_accumulation) +
-                gw_shadow_buffers_bytes(&renderer->shadows) + gw_mirror_buffers_bytes(&renderer->mirrors)};
+                gw_shadow_buffers_bytes(&renderer->shadows) + secondary};
 }
 
 uint64_t gw_renderer_bytes(const gw_renderer *renderer) {

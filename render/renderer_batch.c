@@ -54,12 +54,14 @@ gw_code gw_frame_round(gw_frame_job *job, size_t slots, int resume, int from, gw
     gw_gl_buffer_bind(&rays->queues[from], GW_BINDING_QUEUE);
     gw_code code = gw_frame_dispatch(job, job->trace, slots, error);
     if (!code)
-        code = gw_frame_mirrors(job, slots, resume, error);
+        code = gw_frame_secondary(job, slots, resume, error);
     gw_gl_buffer_bind(&rays->queues[from], GW_BINDING_QUEUE);
     if (!code)
         code = gw_frame_shadows(job, slots, resume, error);
     gw_gl_buffer_bind(&rays->queues[from], GW_BINDING_QUEUE);
     gw_gl_buffer_bind(&rays->queues[1 - from], GW_BINDING_NEXT_QUEUE);
+    if (!code && resume) /* rays of another bounce may have used the same kernel */
+        glProgramUniform1ui(job->shade, 0, (GLuint)slots);
     if (!code)
         code = gw_frame_dispatch(job, job->shade, slots, error);
     return code;
@@ -73,7 +75,6 @@ gw_code gw_frame_resume(gw_frame_job *job, uint32_t queue_length, gw_error *erro
         uint32_t totals[GW_TOTAL_WORDS];
         job->counters.resumed += queue_length;
         glProgramUniform1ui(job->trace, 0, queue_length);
-        glProgramUniform1ui(job->shade, 0, queue_length);
         code = gw_renderer_clear_totals(job->renderer, error);
         if (!code)
             code = gw_frame_round(job, queue_length, 1, from, error);

@@ -244,6 +244,8 @@ gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement,
     const gw_frame_state drawn = gw_frame_state_in_force(given), *state = &drawn;
     gw_frame_job job = {.renderer = renderer,
                         .rays = &renderer->rays,
+                        .shadows = &renderer->shadows,
+                        .bounces = 1,
                         .rectangle = rectangle,
                         .state = state,
                         .end_sample = samples_of(state),

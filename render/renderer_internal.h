@@ -27,15 +27,17 @@ enum gw_binding {
     GW_BINDING_ACCUMULATED = 14, /* with ACCUMULATE only */
     GW_BINDING_VISIBILITIES = 15,
     GW_BINDING_SHADOW_RAYS = 16,
-    GW_BINDING_REFLECTED_RAYS = 17,
-    GW_BINDING_REFLECTIONS = 18,
-    GW_BINDING_REFLECTION_NUMBERS = 19,
-    GW_BINDING_MIRRORS = 20,
+    GW_BINDING_GIVEN_RAYS = 17, /* this one and GIVEN_SUMS with REFLECTED only */
+    GW_BINDING_RADIANCE = 18,   /* of the secondary rays that fragments have asked for */
+    GW_BINDING_ASKED = 19,
+    GW_BINDING_REQUESTS = 20,
     GW_BINDING_GUIDES = 21,
     GW_BINDING_CELL_COLORS = 22,
     GW_BINDING_CELL_POINTS = 23,
     GW_BINDING_CELL_MARKS = 24,
-    GW_BINDING_LISTS = 25
+    GW_BINDING_LISTS = 25,
+    GW_BINDING_NEXT_RAYS = 26,
+    GW_BINDING_GIVEN_SUMS = 27
 };
 /* Texture units of what shaders/blend reads, beside those of gw_scene_buffers_bind(). */
 enum gw_unit { GW_UNIT_CELL_COLORS = 14, GW_UNIT_CELL_POINTS = 15, GW_UNIT_CELL_MARKS = 16 };
@@ -73,16 +75,16 @@ typedef struct gw_shadow_buffers {
     gw_gl_buffer states, queues[2]; /* of one batch */
 } gw_shadow_buffers;
 
-/* Mirrors that one dispatch has met and what they reflect; exist only if a frame calls for mirrors, only
- * grow.
- */
-typedef struct gw_mirror_buffers {
-    gw_gl_buffer numbers; /* of every fragment: of its reflection */
-    gw_gl_buffer mirrors; /* fragments, by number */
-    gw_gl_buffer rays;    /* of one batch */
-    gw_gl_buffer radiance;
+/* Secondary rays of what one dispatch has met, of one bounce; exist only if a frame calls for them, only
+ * grow. */
+typedef struct gw_secondary_buffers {
+    gw_gl_buffer asked;    /* of every fragment: which rays it asks for */
+    gw_gl_buffer requests; /* fragments, by number of the ray */
+    gw_gl_buffer rays;     /* of one batch */
+    gw_gl_buffer radiance; /* by number of the ray */
     gw_ray_buffers traced;
-} gw_mirror_buffers;
+    gw_shadow_buffers shadows;
+} gw_secondary_buffers;
 
 /* What a still view's samples depend on besides scene and renderer. Compared as bytes: made of zeros first.
  */
@@ -122,7 +124,7 @@ struct gw_renderer {
     gw_scene_buffers buffers;
     gw_ray_buffers rays;
     gw_shadow_buffers shadows;
-    gw_mirror_buffers mirrors;
+    gw_secondary_buffers secondary[GW_MOST_BOUNCES];
     gw_gl_buffer totals, frame;
     gw_gl_buffer given_rays, found_hits; /* of gw_renderer_trace */
     gw_sample_buffers samples;
@@ -172,6 +174,12 @@ typedef struct gw_frame_job {
     gw_kernel_key key;
     gw_frame_block block;
     gw_ray_buffers *rays; /* what it traces */
+    gw_shadow_buffers *shadows;
+    /* Of secondary rays: the rays themselves, and where in sums what they bring goes. NULL: rays of pixels.
+     */
+    const gw_gl_buffer *given, *sums;
+    size_t sums_offset, sums_size;
+    uint32_t bounce, bounces; /* of these rays, 0 for those of pixels; of the frame, at most */
     GLuint trace, shade;
     const gw_gl_buffer *arguments; /* of indirect dispatches of both; NULL: of as many slots as is said */
     size_t argument_offset;
@@ -208,12 +216,15 @@ void gw_shadow_buffers_finish(gw_shadow_buffers *buffers);
 uint64_t gw_shadow_buffers_bytes(const gw_shadow_buffers *buffers);
 /* Room that one ray may need for its shadow rays. */
 uint64_t gw_shadow_ray_bytes(uint32_t fragments, uint32_t lights);
-/* renderer_mirrors.c: what mirrors among what was met reflect; as gw_frame_shadows, and before it. */
-gw_code gw_frame_mirrors(gw_frame_job *job, size_t slots, int resume, gw_error *error);
-void gw_mirror_buffers_finish(gw_mirror_buffers *buffers);
-uint64_t gw_mirror_buffers_bytes(const gw_mirror_buffers *buffers);
-/* Room that one ray may need for its reflections, but for what traces them. */
-uint64_t gw_mirror_ray_bytes(uint32_t fragments);
+/* renderer_secondary.c: what the rays bring that what was met asks for; as gw_frame_shadows, and before it.
+ * How a kind of ray is added stands in shaders/shade/secondary_kinds.glsl. */
+gw_code gw_frame_secondary(gw_frame_job *job, size_t slots, int resume, gw_error *error);
+/* Binds the buffers of the job's rays again, after rays of another bounce were traced. */
+void gw_frame_bind_rays(const gw_frame_job *job);
+void gw_secondary_buffers_finish(gw_secondary_buffers *buffers);
+uint64_t gw_secondary_buffers_bytes(const gw_secondary_buffers *buffers);
+/* Room that one ray may need for its secondary rays, but for what traces them. */
+uint64_t gw_secondary_ray_bytes(uint32_t fragments);
 
 /* renderer_accumulate.c: a frame of this view that shows `samples` samples; what is kept of another view, or
  * of more samples, is forgotten. */

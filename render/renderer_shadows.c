@@ -24,8 +24,9 @@ uint64_t gw_shadow_ray_bytes(uint32_t fragments, uint32_t lights) {
 }
 
 /* words: visibilities, and behind them what is kept from round to round. */
-static gw_code reserve(gw_renderer *renderer, size_t places, size_t words, gw_error *error) {
-    gw_shadow_buffers *shadows = &renderer->shadows;
+static gw_code reserve(const gw_frame_job *job, size_t places, size_t words, gw_error *error) {
+    gw_renderer *renderer = job->renderer;
+    gw_shadow_buffers *shadows = job->shadows;
     size_t batch = gw_renderer_chunk_slots(renderer);
     if (batch > places)
         batch = places;
@@ -98,7 +99,7 @@ static gw_code trace_batch(gw_frame_job *job, uint32_t begin, uint32_t count, gw
                                  GW_FEATURE_TEXTURES | GW_FEATURE_VERTEX_COLORS | GW_FEATURE_WIDE_NODES |
                                  GW_FEATURE_DENSE_LEAVES;
     gw_renderer *renderer = job->renderer;
-    gw_shadow_buffers *shadows = &renderer->shadows;
+    gw_shadow_buffers *shadows = job->shadows;
     gw_code code = GW_OK;
     for (int round = 0; !code && count > 0; ++round) {
         uint32_t totals[GW_TOTAL_WORDS];
@@ -132,12 +133,12 @@ gw_code gw_frame_shadows(gw_frame_job *job, size_t slots, int resume, gw_error *
         return GW_OK;
     const size_t slots_of_all = job->rays->slots,
                  places = slots_of_all * gw_kernel_fragments(&job->key) * lights;
-    gw_code code = reserve(renderer, places, places + slots_of_all * lights * GW_KEPT_WORDS, error);
+    gw_code code = reserve(job, places, places + slots_of_all * lights * GW_KEPT_WORDS, error);
     uint32_t count = 0;
     if (!code)
         code = list_rays(job, slots, resume, (uint32_t)places, &count, error);
     job->counters.shadow_rays += count;
-    gw_gl_buffer_bind(&renderer->shadows.states, GW_BINDING_STATES);
+    gw_gl_buffer_bind(&job->shadows->states, GW_BINDING_STATES);
     uint32_t batch = (uint32_t)gw_renderer_chunk_slots(renderer);
     for (uint32_t begin = 0; !code && begin < count; begin += batch)
         code = trace_batch(job, begin, count - begin < batch ? count - begin : batch, error);

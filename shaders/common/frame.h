@@ -140,12 +140,23 @@ GW_STRUCT_END(gw_gpu_light)
 #define GW_NO_PLACE 0xffffffffu
 #define GW_KEPT_WORDS 3u
 
-// A reflected ray, rows of 16 bytes: origin and footprint there; unit direction and growth of the footprint per unit; tau, below
-// 0 for padding, and the distance up to which only triangles count.
-#define GW_REFLECTED_ROWS 3u
-#define GW_NO_REFLECTION 0xffffffffu
+// A secondary ray, rows of 16 bytes: origin and footprint there; unit direction and growth of the footprint per unit; tau, below
+// 0 for padding, the distance up to which only triangles count, and two that are 0.
+#define GW_SECONDARY_ROWS 3u
+// Which rays a fragment asks for: the number of the first in bits 0-27, a bit of GW_RAY_ for each kind in bits 28-31; its rays
+// are numbered kind by kind. What they bring stands by number: radiance, and what of the ray met nothing.
+#define GW_ASKED_WORD(first, kinds) ((first) | ((kinds) << 28))
+#define GW_ASKED_FIRST(word) ((word) & 0x0fffffffu)
+#define GW_ASKED_KINDS(word) ((word) >> 28)
+#define GW_RAY_REFLECTED 1u
+// A request: the fragment in bits 0-25, which of its rays in bits 26-31.
+#define GW_REQUEST(fragment, which) ((fragment) | ((which) << 26))
+#define GW_REQUEST_FRAGMENT(word) ((word) & 0x03ffffffu)
+#define GW_REQUEST_WHICH(word) ((word) >> 26)
+#define GW_RAYS_OF_FRAGMENT 1u // at most
+#define GW_MOST_BOUNCES 8
 
-// Totals of one chunk: cap hits, NaN pixels, length of the queue, shadow or reflected rays; with COUNT: the most iterations that a
+// Totals of one chunk: cap hits, NaN pixels, length of the queue, shadow or secondary rays; with COUNT: the most iterations that a
 // ray took in one dispatch.
 #define GW_TOTAL_ITERATIONS 4
 #define GW_TOTAL_WORDS 5

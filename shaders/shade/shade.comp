@@ -7,7 +7,7 @@
 // variants: OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=8; OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=9; OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=10
 // variants: OCTREE_DEPTH=11 LOD=1 GAZE=1 SHADOWS=1 POINT_LIGHTS=1 DIRECTIONAL_LIGHTS=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 UNTIL_COARSE=1 SHADOWS=1 POINT_LIGHTS=1 ALPHA=1 FRAGMENTS=8u
-// variants: OCTREE_DEPTH=11 LOD=1 MIRROR=1 FRAGMENTS=8u; OCTREE_DEPTH=11 REFLECTED=1 SHADOWS=1 POINT_LIGHTS=1 ALPHA=1 RESUME=1
+// variants: OCTREE_DEPTH=11 LOD=1 SECONDARY=1 MIRROR=1 FRAGMENTS=8u; OCTREE_DEPTH=11 REFLECTED=1 SECONDARY=1 MIRROR=1; OCTREE_DEPTH=11 REFLECTED=1 SHADOWS=1 POINT_LIGHTS=1 ALPHA=1 RESUME=1
 // variants: OCTREE_DEPTH=11 DEBUG_VIEW=1; OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=2; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=4
 // variants: OCTREE_DEPTH=11 GAZE=1 SPARSE=1 DEBUG_VIEW=5; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=6; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=7
 #ifndef OCTREE_DEPTH
@@ -37,7 +37,7 @@ layout(std430, binding = 5) writeonly buffer NextQueue { uint next_queue[]; };
 layout(std430, binding = 6) readonly buffer Work { uvec4 work_of[]; };
 #endif
 #ifdef REFLECTED
-layout(std430, binding = 18) buffer Reflections { vec4 sums[]; };
+layout(std430, binding = 27) buffer Given_sums { vec4 sums[]; };
 #else
 layout(std430, binding = 7) buffer Sums { vec4 sums[]; };
 #endif
@@ -52,8 +52,8 @@ layout(location = 0) uniform uint queue_length;
 #include "blend/opacity.glsl"
 #include "shade/surface.glsl"
 #include "shade/lights.glsl"
-#ifdef MIRROR
-#include "shade/mirrored.glsl"
+#ifdef SECONDARY
+#include "shade/secondary_light.glsl"
 #endif
 #include "shade/debug_view.glsl"
 #ifndef SPARSE
@@ -135,8 +135,8 @@ void main() {
             guide = uvec4(id, floatBitsToUint(t), packSnorm4x8(vec4(surface.normal, 0.0)), floatBitsToUint(weight));
 #endif
         precise vec3 lit = light_surface(surface, view, slot * FRAGMENTS + i);
-#ifdef MIRROR
-        lit = mirrored(lit, surface, view, id, slot * FRAGMENTS + i);
+#ifdef SECONDARY
+        lit = with_secondary(lit, surface, view, id, slot * FRAGMENTS + i);
 #endif
         sum += weight * vec4(debug_fragment(lit, surface, id), 1.0);
     }
@@ -163,7 +163,7 @@ void main() {
         color = frame.background.rgb;
     }
 #if defined(SPARSE) || defined(REFLECTED)
-    sums[slot] = vec4(color, 1.0); // shaders/blend makes pixels of it
+    sums[slot] = vec4(color, left); // shaders/blend, or what asked for the ray, takes it from here
 #else
     store_pixel(square.first - frame.chunk.xy, color);
 #endif

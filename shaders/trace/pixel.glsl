@@ -1,6 +1,6 @@
 // Primary rays. A ray is a function of the plane and the wall-global pixel only: the same bits in whatever rectangle and
 // dispatch it is traced. Blocks of 8 x 8 pixels stand at wall-global multiples of 8; lanes run in Morton order.
-// With REFLECTED they come from mirrors instead (shade/mirror_rays.comp), in a buffer. With SPARSE a ray may stand for a square of 2 to 16 pixels a side, or for a part of a pixel, as shaders/sample lists it.
+// With REFLECTED they are secondary ones instead (shade/secondary_rays.comp), from a buffer. With SPARSE a ray may stand for a square of 2 to 16 pixels a side, or for a part of a pixel, as shaders/sample lists it.
 #include "common/small_math.glsl"
 #ifdef GAZE
 #include "trace/gaze.glsl"
@@ -57,12 +57,12 @@ bool in_window(ivec2 pixel) {
 }
 
 #ifdef REFLECTED
-layout(std430, binding = 17) readonly buffer Reflected_rays { vec4 reflected_rays[]; }; // GW_REFLECTED_ROWS each
+layout(std430, binding = 17) readonly buffer Given_rays { vec4 given_rays[]; }; // GW_SECONDARY_ROWS each
 #endif
 
 Pixel_square square_of_slot(uint slot) {
 #if defined(REFLECTED)
-    return Pixel_square(ivec2(0), 1, reflected_rays[slot * GW_REFLECTED_ROWS + 2u].x >= 0.0);
+    return Pixel_square(ivec2(0), 1, given_rays[slot * GW_SECONDARY_ROWS + 2u].x >= 0.0);
 #elif defined(SPARSE)
     uint word = samples[slot];
     uint rate = GW_SAMPLE_RATE(word);
@@ -93,8 +93,8 @@ float pixel_width(vec3 direction) {
 
 #ifdef REFLECTED
 Pixel_ray ray_of_slot(uint slot, out Pixel_square square) {
-    uint row = slot * GW_REFLECTED_ROWS;
-    vec4 start = reflected_rays[row], aim = reflected_rays[row + 1u], knobs = reflected_rays[row + 2u];
+    uint row = slot * GW_SECONDARY_ROWS;
+    vec4 start = given_rays[row], aim = given_rays[row + 1u], knobs = given_rays[row + 2u];
     square = square_of_slot(slot);
     return Pixel_ray(start.xyz, aim.xyz, aim.w, knobs.x, start.w, knobs.y);
 }

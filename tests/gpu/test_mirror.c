@@ -225,7 +225,7 @@ static void curvature_widens_what_a_mirror_sees(void **state) {
     (void)state;
     const double curved = error_in_the_ball(NULL),
                  flat = error_in_the_ball(
-                     gw_naive_shaders(folder, "flat", "shade/mirror_rays.comp", "FLAT_MIRRORS"));
+                     gw_naive_shaders(folder, "flat", "shade/secondary_ray.glsl", "FLAT_MIRRORS"));
     print_message("# a ball that mirrors noise: error %.4f, as if it were flat %.4f\n", curved, flat);
     assert_true(curved < 0.03);
     assert_true(flat > 3 * curved); /* the naive rule fails */

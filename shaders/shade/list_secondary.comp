@@ -1,6 +1,7 @@
-// Which fragments of a dispatch reflect as mirrors. They are numbered; the number finds what was reflected.
+// Which secondary rays the fragments of a dispatch ask for. The rays are numbered; a fragment's word finds what they bring.
 //
-// variants: OCTREE_DEPTH=11; OCTREE_DEPTH=11 LOD=1 FRAGMENTS=8u; OCTREE_DEPTH=11 LOD=1 RESUME=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1; OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 LOD=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 REFLECTED=1 LOD=1 RESUME=1 FRAGMENTS=8u
 #ifndef OCTREE_DEPTH
 #define OCTREE_DEPTH 11
 #endif
@@ -17,11 +18,11 @@ layout(std430, binding = 3) buffer Totals { uint totals[]; };
 layout(std430, binding = 4) readonly buffer Queue { uint queue[]; };
 layout(location = 0) uniform uint queue_length;
 #endif
-layout(std430, binding = 19) writeonly buffer Reflection_of { uint reflection_of[]; };
-layout(std430, binding = 20) writeonly buffer Mirrors { uint mirrors[]; };
+layout(std430, binding = 19) writeonly buffer Asked { uint asked_of[]; };
+layout(std430, binding = 20) writeonly buffer Requests { uint requests[]; };
 #include "trace/fetch.glsl"
 #include "shade/surface.glsl"
-#include "shade/mirror_share.glsl"
+#include "shade/secondary_kinds.glsl"
 
 void main() {
     uint at = (group_base + gl_WorkGroupID.x) * 64u + gl_LocalInvocationIndex;
@@ -37,11 +38,12 @@ void main() {
         return;
     uint count = GW_STATUS_COUNT(status.x);
     for (uint i = 0u; i < count; ++i) {
-        uint fragment = slot * FRAGMENTS + i, number = GW_NO_REFLECTION;
-        if (mirror_share(fragments[fragment * GW_FRAGMENT_WORDS]) > 0.0) {
-            number = atomicAdd(totals[3], 1u);
-            mirrors[number] = fragment;
-        }
-        reflection_of[fragment] = number;
+        uint fragment = slot * FRAGMENTS + i;
+        uint kinds = kinds_asked(fragments[fragment * GW_FRAGMENT_WORDS]), rays = rays_of(kinds), first = 0u;
+        if (rays > 0u)
+            first = atomicAdd(totals[3], rays);
+        for (uint which = 0u; which < rays; ++which)
+            requests[first + which] = GW_REQUEST(fragment, which);
+        asked_of[fragment] = GW_ASKED_WORD(first, kinds);
     }
 }

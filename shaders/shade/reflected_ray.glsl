@@ -1,0 +1,15 @@
+// The ray that a mirror reflects: about the shading normal, unless that leads below the surface. The footprint goes on from the
+// mirror, wider by what the mirror's curvature spreads the rays of one footprint: twice the angle by which its normals turn over it
+// (Igehy, Tracing Ray Differentials, 1999). Like a shadow's ray it starts with triangles only (shade/shadow_ray.glsl), or above the
+// voxel that it leaves. Needs shade/secondary_ray.glsl before it.
+Secondary_ray reflected_ray(Met met) {
+    precise vec3 reflected = met.direction - met.normal * (2.0 * dot(met.direction, met.normal));
+    precise vec3 flat_one = met.direction - met.start.normal * (2.0 * dot(met.direction, met.start.normal));
+    reflected = dot(reflected, met.start.normal) > 0.0 ? reflected : flat_one;
+    float turn = turn_over(met);
+    precise float growth = met.growth + 2.0 * min(turn, 1.0);
+    float accepted = met.ray.tau * met.width;
+    Secondary_origin from = secondary_origin(met.start, accepted, dot(reflected, met.start.normal),
+                                             out_of_reach(met.start, accepted, reflected));
+    return Secondary_ray(from.origin, reflected, met.width, growth, met.ray.tau, from.clear);
+}

@@ -1,0 +1,36 @@
+// The secondary rays of one batch of requests.
+//
+// variants: OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 SMOOTH_NORMALS=1; OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 LOD=1 GAZE=1 SPARSE=1 SMOOTH_NORMALS=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 REFLECTED=1 LOD=1 FRAGMENTS=8u
+#ifndef OCTREE_DEPTH
+#define OCTREE_DEPTH 11
+#endif
+#ifndef FRAGMENTS
+#define FRAGMENTS 1u
+#endif
+layout(local_size_x = 64) in;
+#include "common/frame_block.glsl"
+uniform uint group_base;
+layout(std430, binding = 0) readonly buffer Fragments { uint fragments[]; };
+layout(std430, binding = 20) readonly buffer Requests { uint requests[]; };
+layout(std430, binding = 26) writeonly buffer Next_rays { vec4 next_rays[]; };
+layout(location = 0) uniform uvec2 batch; // first request, number of them
+#include "trace/fetch.glsl"
+#include "trace/pixel.glsl"
+#include "shade/surface.glsl"
+#include "shade/secondary_ray.glsl"
+#include "shade/reflected_ray.glsl"
+
+void main() {
+    uint at = (group_base + gl_WorkGroupID.x) * 64u + gl_LocalInvocationIndex;
+    bool present = at < batch.y;
+    uint fragment = GW_REQUEST_FRAGMENT(requests[batch.x + (present ? at : 0u)]), word = fragment * GW_FRAGMENT_WORDS;
+    Pixel_square square;
+    Pixel_ray ray = ray_of_slot(fragment / FRAGMENTS, square);
+    Met met = met_by(ray, fragments[word], uintBitsToFloat(fragments[word + 1u]));
+    Secondary_ray next = reflected_ray(met);
+    uint row = at * GW_SECONDARY_ROWS;
+    next_rays[row] = vec4(next.origin, next.width);
+    next_rays[row + 1u] = vec4(next.direction, next.growth);
+    next_rays[row + 2u] = vec4(present ? next.tau : -1.0, next.clear, 0.0, 0.0);
+}

@@ -214,6 +214,64 @@ static gw_code take_file(assembler *work, size_t number, int depth) {
     return code;
 }
 
+static int part_of_word(char c) {
+    return c == '_' || (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+
+/* Whether the word stands in the text, what follows "//" in a line aside. */
+static int has_word(const char *text, const char *word, size_t length) {
+    for (const char *line = text; *line;) {
+        const char *end = line + strcspn(line, "\n");
+        for (const char *at = line; at < end && memcmp(at, "//", 2) != 0; at++) {
+            if (strncmp(at, word, length) == 0 && !part_of_word(at[length]) &&
+                (at == line || !part_of_word(at[-1]))) {
+                return 1;
+            }
+        }
+        line = end + (*end == '\n');
+    }
+    return 0;
+}
+
+/* The lines of defines whose name the body reads. */
+static gw_code append_defines(assembler *work, const char *defines, const char *body) {
+    static const char define[] = "#define ";
+    gw_code code = GW_OK;
+    while (*defines && !code) {
+        const char *end = defines + strcspn(defines, "\n"), *name = defines + strlen(define);
+        size_t length = 0;
+        end += *end == '\n';
+        while (strncmp(defines, define, strlen(define)) == 0 && part_of_word(name[length])) {
+            length++;
+        }
+        if (length == 0 || has_word(body, name, length)) {
+            code = append(work, defines, (size_t)(end - defines));
+        }
+        defines = end;
+    }
+    return code;
+}
+
+/* The version line and the defines go before the body, which was assembled first. */
+static gw_code put_head(assembler *work, const char *defines) {
+    char *body = work->out->text;
+    const size_t size = work->size;
+    work->out->text = NULL;
+    work->size = work->capacity = 0;
+    gw_code code = append_line(work, "#version 450 core\n");
+    if (!code && defines) {
+        code = append_defines(work, defines, body);
+    }
+    if (!code) {
+        code = append_line(work, "\n#line 1\n");
+    }
+    if (!code) {
+        code = append(work, body, size);
+    }
+    free(body);
+    return code;
+}
+
 gw_code gw_shader_text_create(const char *folder, const char *name, const char *defines, gw_shader_text *out,
                               gw_error *error) {
     *out = (gw_shader_text){0};
@@ -221,16 +279,13 @@ gw_code gw_shader_text_create(const char *folder, const char *name, const char *
     size_t number = 0;
     gw_code code = find_source(&work, name, strlen(name), &number);
     if (!code) {
-        code = append_line(&work, "#version 450 core\n");
-    }
-    if (!code && defines) {
-        code = append(&work, defines, strlen(defines));
-    }
-    if (!code) {
-        code = append_line(&work, "\n#line 1\n");
-    }
-    if (!code) {
         code = take_file(&work, number, 0);
+    }
+    if (!code) {
+        code = append(&work, "", 0); /* an empty file is a body, too */
+    }
+    if (!code) {
+        code = put_head(&work, defines);
     }
     for (size_t i = 0; i < out->file_count; i++) {
         gw_bytes_finish(&work.sources[i].bytes);

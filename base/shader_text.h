@@ -21,8 +21,10 @@ typedef struct gw_shader_text {
 } gw_shader_text;
 
 /* folder: read shaders from there ("/somewhere/shaders") instead of the embedded ones; NULL: embedded. name:
- * "trace/primary.comp". defines: "#define A 1\n" lines or NULL. GW_BAD_INPUT names the file and line of an
- * #include that leads nowhere or back to itself. */
+ * "trace/primary.comp". defines: "#define A 1\n" lines or NULL; those whose name no line of the files reads
+ * (comments aside) are left out, so that kernels which differ in nothing have one text and drivers translate
+ * it once; what a define stands for names no other. GW_BAD_INPUT names the file and line of an #include that
+ * leads nowhere or back to itself. */
 gw_code gw_shader_text_create(const char *folder, const char *name, const char *defines, gw_shader_text *out,
                               gw_error *error);
 void gw_shader_text_finish(gw_shader_text *text);

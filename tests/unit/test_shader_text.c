@@ -30,7 +30,7 @@ static size_t occurrences(const char *text, const char *part) {
 
 static void an_include_is_taken_once(void **state) {
     (void)state;
-    put("shaders/a.comp", "#include \"lib/b.glsl\"\n#include \"lib/c.glsl\"\nint last;\n");
+    put("shaders/a.comp", "#include \"lib/b.glsl\"\n#include \"lib/c.glsl\"\nint last = A;\n");
     put("shaders/lib/b.glsl", "#include \"lib/c.glsl\"\nint in_b;\n");
     put("shaders/lib/c.glsl", "int in_c;");
     gw_shader_text text;
@@ -39,12 +39,32 @@ static void an_include_is_taken_once(void **state) {
     assert_int_equal(occurrences(text.text, "int in_b;"), 1);
     assert_int_equal(occurrences(text.text, "int in_c;"), 1);
     assert_true(strstr(text.text, "int in_c;") < strstr(text.text, "int in_b;"));
-    assert_true(strstr(text.text, "int in_b;") < strstr(text.text, "int last;"));
+    assert_true(strstr(text.text, "int in_b;") < strstr(text.text, "int last = A;"));
     assert_int_equal(text.file_count, 3);
     assert_string_equal(text.files[0], "shaders/a.comp");
     assert_string_equal(text.files[1], "shaders/lib/b.glsl");
     gw_shader_text_finish(&text);
     assert_null(text.text);
+}
+
+/* Kernels that differ in nothing have one text. */
+static void defines_that_nothing_reads_are_left_out(void **state) {
+    (void)state;
+    put("shaders/a.comp", "#include \"c.glsl\"\n#ifdef ASKED\nint a; // UNSAID\n#endif\nint PART_OF_IT;\n");
+    put("shaders/c.glsl", "int in_c = VALUE; /* SAID */\nint MY_PART;\n");
+    gw_shader_text text;
+    check_ok(assemble("a.comp",
+                      "#define ASKED 1\n#define UNSAID 1\n#define VALUE 3u\n#define PART 1\n#define SAID 1\n"
+                      "#define NEVER 1\n",
+                      &text, &error));
+    static const char head[] =
+        "#version 450 core\n#define ASKED 1\n#define VALUE 3u\n#define SAID 1\n\n#line 1\n";
+    assert_memory_equal(text.text, head, sizeof head - 1);
+    gw_shader_text_finish(&text);
+    put("shaders/a.comp", "");
+    check_ok(assemble("a.comp", "#define A 1\n", &text, &error));
+    assert_string_equal(text.text, "#version 450 core\n\n#line 1\n");
+    gw_shader_text_finish(&text);
 }
 
 /* An include inside an #if that is not taken must not hide a later one outside. */
@@ -131,6 +151,7 @@ static void embedded_files_are_found(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_include_is_taken_once),
+        cmocka_unit_test(defines_that_nothing_reads_are_left_out),
         cmocka_unit_test(a_conditional_include_does_not_count_as_taken),
         cmocka_unit_test(lines_after_an_include_keep_their_numbers),
         cmocka_unit_test(bad_includes_name_file_and_line),

@@ -3,6 +3,8 @@
 #   tests/run.sh TREE [ONLY]      TREE: build tree, out/release; ONLY: part of "kind/name"
 # Every tests/<kind>/test_*.c is a cmocka program, every tests/{cli,mpi}/*.sh a script; all speak TAP. Programs and
 # scripts find the binary in $GAZEWALL and a folder of their own, removed afterwards, in $GW_TEST_FOLDER.
+# Files of the kinds gpu, hard and oracle run side by side, one for each processor: software GL translates kernels in one
+# thread, and they assert nothing about time. What has deadlines (unit, cli, mpi) runs alone.
 # The last line is "N passed, N failed", with ", N skipped" when some were; exit code 1 if any failed or none ran.
 set -u
 cd "$(dirname "$0")/.." || exit 1
@@ -11,9 +13,14 @@ tree=$1
 only=${2:-}
 logs=$tree/test-logs
 scratch=$(mktemp -d "${TMPDIR:-/tmp}/gazewall-test.XXXXXX") || exit 1
-running=
+end_children() {
+    local children
+    children=$(jobs -p)
+    # shellcheck disable=SC2086
+    [ -z "$children" ] || kill -TERM $children 2>/dev/null
+}
 stop() {
-    [ -z "$running" ] || kill -TERM "$running" 2>/dev/null
+    end_children
     rm -rf "$scratch"
 }
 trap stop EXIT
@@ -33,7 +40,9 @@ export UBSAN_OPTIONS="${UBSAN_OPTIONS:-print_stacktrace=1:halt_on_error=1}"
 
 mkdir -p "$logs"
 rm -f "$logs"/*.log
-passed=0 failed=0 skipped=0 files=0
+# A line "passed failed skipped" for each file.
+counts=$scratch/counts
+: >"$counts"
 
 # Seconds after which a file of this kind counts as hanging. Software GL on a busy machine is slow.
 limit_of() {
@@ -70,10 +79,8 @@ run_file() {
     start=$(date +%s.%N)
     GW_TEST_FOLDER=$scratch/$kind-$name ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=$leaks:allocator_may_return_null=1} \
         timeout -k 10 "$(limit_of "$kind")" "$@" >"$log" 2>&1 </dev/null &
-    running=$!
-    wait "$running"
+    wait $!
     code=$?
-    running=
     rm -rf "${scratch:?}/$kind-$name"
     read -r p f s < <(count "$log")
     # An exit code without a failed line is a crash, a leak or a time-out; no line at all is no test.
@@ -85,7 +92,7 @@ run_file() {
     elif [ $((p + f + s)) -eq 0 ]; then
         f=1 why=" (no test in it)"
     fi
-    passed=$((passed + p)) failed=$((failed + f)) skipped=$((skipped + s)) files=$((files + 1))
+    echo "$p $f $s" >>"$counts"
     awk -v name="$kind/$name" -v p="$p" -v f="$f" -v s="$s" -v why="$why" -v a="$start" -v b="$(date +%s.%N)" 'BEGIN {
         printf "%-44s %4d passed", name, p
         if (f) printf ", %d failed%s", f, why
@@ -101,14 +108,33 @@ run_file() {
     fi
 }
 
+# The same in the background, with its lines printed together when it ends; $slots at once.
+slots=$(nproc)
+run_beside() {
+    local lines=$scratch/$1-$2.lines
+    case "$1/$2" in *"$only"*) ;; *) return ;; esac
+    while [ "$(jobs -pr | wc -l)" -ge "$slots" ]; do wait -n; done
+    (
+        trap - EXIT
+        trap 'end_children; exit 143' TERM
+        run_file "$@" >"$lines"
+        cat "$lines"
+    ) &
+}
+
 # Fast kinds first.
-for kind in unit gpu hard oracle; do
+for source in tests/unit/test_*.c; do
+    name=$(basename "$source" .c)
+    run_file unit "$name" "$tree/tests/unit/$name"
+done
+for kind in gpu hard oracle; do
     for source in tests/"$kind"/test_*.c; do
         [ -e "$source" ] || continue
         name=$(basename "$source" .c)
-        run_file $kind "$name" "$tree/tests/$kind/$name"
+        run_beside $kind "$name" "$tree/tests/$kind/$name"
     done
 done
+wait
 for kind in cli mpi; do
     for script in tests/"$kind"/*.sh; do
         [ -e "$script" ] || continue
@@ -116,10 +142,11 @@ for kind in cli mpi; do
     done
 done
 
-[ $files -gt 0 ] || echo "no test matches '$only'"
-if [ $skipped -gt 0 ]; then
+read -r passed failed skipped < <(awk '{ p += $1; f += $2; s += $3 } END { print p + 0, f + 0, s + 0 }' "$counts")
+[ -s "$counts" ] || echo "no test matches '$only'"
+if [ "$skipped" -gt 0 ]; then
     echo "$passed passed, $failed failed, $skipped skipped"
 else
     echo "$passed passed, $failed failed"
 fi
-[ $failed -eq 0 ] && [ $passed -gt 0 ]
+[ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]

@@ -19,6 +19,7 @@ static int open_stage(void **state) {
     (void)state;
     gw_scene *scene = NULL;
     check_ok(gw_demo_scene(&scene, &error));
+    gw_crop_textures(scene, 64);
     check_ok(
         gw_stage_open(&stage, scene, NULL, (const char *const[]){"octree_depth=8", "tau=3", NULL}, &error));
     check_ok(gw_renderer_create(stage.device, stage.scene, stage.octree, NULL, &renderer, &error));

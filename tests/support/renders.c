@@ -143,6 +143,18 @@ const char *gw_naive_shaders(char path[512], const char *folder, const char *fil
     return path;
 }
 
+void gw_crop_textures(gw_scene *scene, uint32_t side) {
+    for (uint32_t i = 0; i < scene->texture_count; ++i) {
+        gw_image *image = &scene->textures[i].image;
+        const uint32_t width = image->width < side ? image->width : side;
+        const uint32_t height = image->height < side ? image->height : side;
+        for (size_t y = 0; y < height; ++y)
+            memmove(image->rgba + y * width * 4, image->rgba + y * image->width * 4, (size_t)width * 4);
+        image->width = width;
+        image->height = height;
+    }
+}
+
 double gw_mean_difference(const uint8_t *a, const uint8_t *b, size_t pixels) {
     double sum = 0.0;
     for (size_t i = 0; i < pixels * 4; ++i)

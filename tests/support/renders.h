@@ -47,6 +47,10 @@ gw_renderer *gw_stage_renderer(const gw_stage *stage);
  * naive variants for tests that show why the shipped one is another. Returns path, the folder. */
 const char *gw_naive_shaders(char path[512], const char *folder, const char *file, const char *define);
 
+/* Leaves of every texture a corner of at most this side, px: making the levels of large ones takes a second
+ * for each renderer. */
+void gw_crop_textures(gw_scene *scene, uint32_t side);
+
 /* Mean over pixels and channels of the difference, in 1/255. */
 double gw_mean_difference(const uint8_t *a, const uint8_t *b, size_t pixels);
 /* Mean linear value of the colour channels, 0..1. */

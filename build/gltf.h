@@ -39,7 +39,8 @@ uint64_t gw_gltf_promised_triangles(const gw_gltf *gltf);
 int gw_gltf_moves(const gw_gltf *gltf);
 
 /* The same file with every material named "#index", because assimp keeps names but not places in the list; in
- * a file that moves nodes and meshes, too. */
+ * a file that moves nodes and meshes, too, and else nodes with a light. A light that several nodes carry
+ * becomes one for each. */
 gw_code gw_gltf_mark(gw_gltf *gltf, gw_bytes *out, gw_error *error);
 
 #endif

@@ -193,29 +193,9 @@ static json_t *punctual(const json_t *object) {
     return json_object_get(json_object_get(object, "extensions"), "KHR_lights_punctual");
 }
 
-/* assimp keeps one place for each light, however many nodes carry it: counts the places beyond the first. */
-static gw_code count_shared_lights(const gw_gltf *gltf, size_t *out, gw_error *error) {
-    const json_t *nodes = json_object_get(gltf->root, "nodes");
-    const size_t lights = json_array_size(json_object_get(punctual(gltf->root), "lights"));
-    uint8_t *seen = NULL;
-    *out = 0;
-    gw_code code = gw_allocate((void **)&seen, lights, 1, "lights", error);
-    for (size_t i = 0; code == GW_OK && i < json_array_size(nodes); i++) {
-        const json_t *light = json_object_get(punctual(json_array_get(nodes, i)), "light");
-        const json_int_t index = json_is_integer(light) ? json_integer_value(light) : -1;
-        if (index < 0 || index >= (json_int_t)lights)
-            continue;
-        *out += seen[index];
-        seen[index] = 1;
-    }
-    free(seen);
-    return code;
-}
-
 static gw_code note_losses(const gw_gltf *gltf, gw_source_model *model, gw_error *error) {
     const json_t *materials = json_object_get(gltf->root, "materials");
-    size_t shared_lights;
-    gw_code code = count_shared_lights(gltf, &shared_lights, error);
+    gw_code code = GW_OK;
     const struct {
         size_t count;
         const char *what;
@@ -228,7 +208,6 @@ static gw_code note_losses(const gw_gltf *gltf, gw_source_model *model, gw_error
          "materials with a metallic-roughness map: its mean is used"},
         {count_specular_maps(materials),
          "materials with a specular-glossiness map: drawn without it, metals by their diffuse colour alone"},
-        {shared_lights, "more nodes with a light that another node has too: it shines at one of them"},
     };
     for (size_t i = 0; code == GW_OK && i < sizeof losses / sizeof *losses; i++)
         code = note_count(model, losses[i].count, losses[i].what, error);
@@ -353,9 +332,50 @@ static gw_code mark_list(gw_gltf *gltf, const char *list, gw_error *error) {
     return GW_OK;
 }
 
+/* A light of the same kind and values at the end of the list; what says nothing about light stays behind. */
+static int copy_light(json_t *lights, size_t index) {
+    static const char *const rest[] = {"name", "extras", "extensions"};
+    json_t *copy = json_copy(json_array_get(lights, index));
+    for (size_t i = 0; i < sizeof rest / sizeof rest[0]; i++)
+        json_object_del(copy, rest[i]);
+    return json_array_append_new(lights, copy);
+}
+
+/* assimp keeps one place for each light, however many nodes carry it, and ties the two by the node's name: so
+ * every node gets a light, and a name, of its own. */
+static gw_code part_lights(gw_gltf *gltf, gw_error *error) {
+    const json_t *nodes = json_object_get(gltf->root, "nodes");
+    json_t *lights = json_object_get(punctual(gltf->root), "lights");
+    const size_t count = json_array_size(lights);
+    uint8_t *seen = NULL;
+    gw_code code = gw_allocate((void **)&seen, count, 1, "lights", error);
+    for (size_t i = 0; code == GW_OK && i < json_array_size(nodes); i++) {
+        json_t *node = json_array_get(nodes, i), *carried = punctual(node);
+        const json_t *light = json_object_get(carried, "light");
+        const json_int_t index = json_is_integer(light) ? json_integer_value(light) : -1;
+        if (index < 0 || index >= (json_int_t)count || !json_is_object(json_array_get(lights, (size_t)index)))
+            continue;
+        int failed = 0;
+        if (seen[index]) {
+            failed = copy_light(lights, (size_t)index);
+            failed |=
+                json_object_set_new(carried, "light", json_integer((json_int_t)json_array_size(lights) - 1));
+        }
+        seen[index] = 1;
+        if (!json_object_get(node, "camera"))
+            failed |= json_object_set_new(node, "name", json_sprintf("#%zu", i));
+        if (failed)
+            code = gw_fail(error, GW_MACHINE, "out of memory for the glTF file's lights");
+    }
+    free(seen);
+    return code;
+}
+
 gw_code gw_gltf_mark(gw_gltf *gltf, gw_bytes *out, gw_error *error) {
     *out = (gw_bytes){0};
-    gw_code code = mark_list(gltf, "materials", error);
+    gw_code code = part_lights(gltf, error);
+    if (code == GW_OK)
+        code = mark_list(gltf, "materials", error);
     if (code == GW_OK && gw_gltf_moves(gltf))
         code = mark_list(gltf, "nodes", error);
     if (code == GW_OK && gw_gltf_moves(gltf))

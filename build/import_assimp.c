@@ -19,7 +19,7 @@ typedef struct converter {
     gw_source_model *model;
     uint64_t vertices, triangles; /* counted in the first walk, placed so far in the second */
     uint64_t other_primitives;
-    uint32_t spots, placed_lights, placed_cameras;
+    uint32_t placed_lights, placed_cameras;
     int normals, texcoords, colors; /* some mesh has them */
     size_t span_capacity;
     int counting;
@@ -170,9 +170,38 @@ static gw_code put_span(converter *self, const struct aiNode *node, const struct
 
 /* --- lights and cameras --- */
 
-static void put_light(converter *self, const struct aiLight *light, const matrix *place) {
+/* assimp keeps the range of KHR_lights_punctual with the node that carries the light. */
+static float range_of(const struct aiNode *node) {
+    const struct aiMetadata *data = node->mMetaData;
+    for (unsigned i = 0; data && i < data->mNumProperties; i++)
+        if (strcmp(data->mKeys[i].data, "PBR_LightRange") == 0 && data->mValues[i].mType == AI_FLOAT) {
+            float range;
+            memcpy(&range, data->mValues[i].mData, sizeof range);
+            return range > 0.0f && range <= 1e30f ? range : 0.0f;
+        }
+    return 0.0f;
+}
+
+/* 0 where the node flattens the direction. Angles that the extension does not allow are brought in range. */
+static int put_cone(const struct aiLight *light, const matrix *place, gw_light *to) {
+    static const float most = 1.5707963f, least = 1e-4f;
+    double axis[3];
+    if (!place_direction(place, &light->mDirection, axis))
+        return 0;
+    const float outer = light->mAngleOuterCone, inner = light->mAngleInnerCone;
+    to->kind = GW_LIGHT_SPOT;
+    to->cone[1] = outer >= least ? fminf(outer, most) : outer < least ? least : most;
+    to->cone[0] = inner >= 0.0f ? fminf(inner, to->cone[1] * 0.9999f) : 0.0f;
+    for (int i = 0; i < 3; i++)
+        to->axis[i] = (float)axis[i];
+    return 1;
+}
+
+static void put_light(converter *self, const struct aiLight *light, const struct aiNode *node,
+                      const matrix *place) {
     gw_scene *scene = self->model->scene;
     gw_light *to = &scene->lights[scene->light_count];
+    *to = (gw_light){0};
     const float channels[3] = {(float)light->mColorDiffuse.r, (float)light->mColorDiffuse.g,
                                (float)light->mColorDiffuse.b};
     if (light->mType == aiLightSource_DIRECTIONAL) {
@@ -182,7 +211,9 @@ static void put_light(converter *self, const struct aiLight *light, const matrix
     } else if (light->mType == aiLightSource_POINT || light->mType == aiLightSource_SPOT) {
         to->kind = GW_LIGHT_POINT;
         place_point(place, &light->mPosition, to->vector);
-        self->spots += light->mType == aiLightSource_SPOT;
+        to->range = range_of(node);
+        if (light->mType == aiLightSource_SPOT && !put_cone(light, place, to))
+            return;
     } else {
         return;
     }
@@ -218,7 +249,7 @@ static void put_node_lights(converter *self, const struct aiNode *node, const ma
     for (unsigned i = 0; i < self->read->mNumLights && self->placed_lights < self->read->mNumLights; i++)
         if (strcmp(self->read->mLights[i]->mName.data, node->mName.data) == 0) {
             self->placed_lights++;
-            put_light(self, self->read->mLights[i], place);
+            put_light(self, self->read->mLights[i], node, place);
         }
     for (unsigned i = 0; i < self->read->mNumCameras && self->placed_cameras < self->read->mNumCameras; i++)
         if (strcmp(self->read->mCameras[i]->mName.data, node->mName.data) == 0) {
@@ -299,9 +330,6 @@ static gw_code note_choices(const converter *self) {
         code = gw_scene_note(scene, self->error, "%s files name no material: a rough %s is used",
                              gw_model_format_name(self->format),
                              self->colors ? "one with the vertices' colours" : "light grey one");
-    if (code == GW_OK && self->spots)
-        code = gw_scene_note(scene, self->error,
-                             "%u spot lights shine in all directions: cones are not carried", self->spots);
     return code;
 }
 

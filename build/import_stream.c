@@ -100,8 +100,12 @@ static void put_rest(writer *to, const gw_scene *scene) {
     put_u32(to, scene->light_count);
     for (uint32_t i = 0; i < scene->light_count; i++) {
         put_u32(to, (uint32_t)scene->lights[i].kind);
-        put(to, scene->lights[i].vector, sizeof scene->lights[i].vector);
-        put(to, scene->lights[i].color, sizeof scene->lights[i].color);
+        const gw_light *light = &scene->lights[i];
+        put(to, light->vector, sizeof light->vector);
+        put(to, light->color, sizeof light->color);
+        put(to, light->axis, sizeof light->axis);
+        put(to, light->cone, sizeof light->cone);
+        put(to, &light->range, sizeof light->range);
     }
     put_u32(to, scene->viewpoint_count);
     for (uint32_t i = 0; i < scene->viewpoint_count; i++) {
@@ -333,12 +337,18 @@ static void check_source_indices(reader *from, const gw_source_model *model) {
 }
 
 static void get_lights(reader *from, gw_scene *scene) {
-    const uint32_t count = get_count(from, 40);
+    const uint32_t count = get_count(from, 64);
     scene->lights = new_array(from, count, sizeof *scene->lights);
     for (uint32_t i = 0; i < count && !from->fault; i++) {
-        scene->lights[i].kind = (gw_light_kind)get_choice(from, GW_LIGHT_POINT + 1);
-        get_doubles(from, scene->lights[i].vector, 3);
-        get_floats(from, scene->lights[i].color, 3, 0.0f, 1e30f);
+        gw_light *light = &scene->lights[i];
+        light->kind = (gw_light_kind)get_choice(from, GW_LIGHT_SPOT + 1);
+        get_doubles(from, light->vector, 3);
+        get_floats(from, light->color, 3, 0.0f, 1e30f);
+        get_floats(from, light->axis, 3, -1.0f, 1.0f);
+        get_floats(from, light->cone, 2, 0.0f, 1.5707964f);
+        get_floats(from, &light->range, 1, 0.0f, 1e30f);
+        if (light->kind == GW_LIGHT_SPOT && !(light->cone[0] < light->cone[1]))
+            reject(from, "a spot light's cones are no cones");
     }
     scene->light_count = from->fault ? 0 : count;
 }

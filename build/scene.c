@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "build/animation.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -37,6 +38,16 @@ void gw_scene_destroy(gw_scene **scene_address) {
     gw_animation_destroy(&scene->animation);
     free(scene);
     *scene_address = NULL;
+}
+
+double gw_light_area(const gw_light *light) {
+    const float *u = light->sides[0], *v = light->sides[1];
+    double cross[3];
+    for (int i = 0; i < 3; i++) {
+        const int a = (i + 1) % 3, b = (i + 2) % 3;
+        cross[i] = (double)u[a] * (double)v[b] - (double)u[b] * (double)v[a];
+    }
+    return sqrt(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]);
 }
 
 gw_code gw_scene_note(gw_scene *scene, gw_error *error, const char *format, ...) {
@@ -105,6 +116,12 @@ static gw_hash hash_appearance(gw_hash hash, const gw_scene *scene) {
         hash = gw_hash_bytes(hash, &kind, sizeof kind);
         hash = gw_hash_bytes(hash, light->vector, sizeof light->vector);
         hash = gw_hash_bytes(hash, light->color, sizeof light->color);
+        if (light->kind != GW_LIGHT_DIRECTIONAL || light->extent > 0.0f) {
+            const float shape[] = {light->axis[0], light->axis[1], light->axis[2], light->cone[0],
+                                   light->cone[1], light->range,   light->extent};
+            hash = gw_hash_bytes(hash, shape, sizeof shape);
+            hash = gw_hash_bytes(hash, light->sides, sizeof light->sides);
+        }
     }
     hash = gw_hash_bytes(hash, scene->ambient, sizeof scene->ambient);
     return gw_hash_bytes(hash, scene->background, sizeof scene->background);

@@ -73,12 +73,27 @@ typedef struct gw_texture {
     gw_wrap wrap_u, wrap_v;
 } gw_texture;
 
-typedef enum gw_light_kind { GW_LIGHT_DIRECTIONAL, GW_LIGHT_POINT } gw_light_kind;
+typedef enum gw_light_kind {
+    GW_LIGHT_DIRECTIONAL,
+    GW_LIGHT_POINT,
+    GW_LIGHT_SPOT,
+    GW_LIGHT_RECTANGLE,
+    GW_LIGHT_KINDS
+} gw_light_kind;
+/* Fields that are not of a light's kind are 0. */
 typedef struct gw_light {
     gw_light_kind kind;
-    double vector[3]; /* directional: unit direction in which the light travels; point: position in scene
-                         metres */
-    float color[3];   /* linear; directional: irradiance on a facing surface; point: the same at 1 m */
+    double vector[3];  /* directional: unit direction in which the light travels; others: position (of the
+                          rectangle's middle) in scene metres */
+    float color[3];    /* linear; directional: irradiance on a facing surface; others: the same at 1 m, on the
+                          axis of a spot, far from a rectangle as if it were a point in its middle */
+    float axis[3];     /* spot: unit direction in which it shines */
+    float cone[2];     /* spot: half-angles, rad: it is whole within the first, none beyond the second;
+                          0 <= first < second <= pi/2 */
+    float range;       /* point, spot: metres at which it ends, 0: nowhere (KHR_lights_punctual) */
+    float extent;      /* directional: half-angle of its disc, rad, below pi/2; point, spot: radius of its
+                          sphere, m; 0: hard shadows */
+    float sides[2][3]; /* rectangle: its sides, m; it shines along sides[0] x sides[1] */
 } gw_light;
 
 typedef struct gw_viewpoint {
@@ -199,6 +214,9 @@ typedef struct gw_scene {
 } gw_scene;
 
 void gw_scene_destroy(gw_scene **scene);
+
+/* Of a rectangle, m^2. */
+double gw_light_area(const gw_light *light);
 
 /* Nothing beyond gw_material. */
 gw_material_extension gw_material_extension_none(void);

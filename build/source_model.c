@@ -68,6 +68,19 @@ static void transform_direction(const double m[3][4], double direction[3]) {
         direction[i] = turned[i] / length;
 }
 
+static void transform_vector(const double m[3][4], float vector[3]) {
+    const double v[3] = {vector[0], vector[1], vector[2]};
+    for (int i = 0; i < 3; i++)
+        vector[i] = (float)(m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2]);
+}
+
+static void transform_axis(const double m[3][4], float axis[3]) {
+    double direction[3] = {axis[0], axis[1], axis[2]};
+    transform_direction(m, direction);
+    for (int i = 0; i < 3; i++)
+        axis[i] = (float)direction[i];
+}
+
 /* A point light is an irradiance at one metre: it grows with the square of the scale, so that a model keeps
  * its looks. */
 static void transform_lights(gw_scene *scene, const double m[3][4], double scale) {
@@ -80,6 +93,12 @@ static void transform_lights(gw_scene *scene, const double m[3][4], double scale
         gw_matrix_point(m, light->vector, light->vector);
         for (int k = 0; k < 3; k++)
             light->color[k] = (float)(light->color[k] * scale * scale);
+        light->range = (float)(light->range * scale);
+        light->extent = (float)(light->extent * scale);
+        transform_vector(m, light->sides[0]);
+        transform_vector(m, light->sides[1]);
+        if (light->kind == GW_LIGHT_SPOT)
+            transform_axis(m, light->axis);
     }
 }
 

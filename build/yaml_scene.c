@@ -1,14 +1,13 @@
 #include "build/yaml_scene.h"
 
 #include "base/file.h"
-#include "base/memory.h"
 #include "base/yaml.h"
 #include "build/demo_scene.h"
 #include "build/import_internal.h"
+#include "build/yaml_light.h"
 #include "build/yaml_model.h"
 #include "build/yaml_view.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,58 +20,6 @@ static gw_code check_version(const gw_yaml_node *root, gw_error *error) {
     if (!version)
         return gw_yaml_fail(root, error, "key 'version' is missing: write 'version: 1'");
     return gw_yaml_integer(version, "version", 1, 1, &number, error);
-}
-
-static gw_code read_light(const gw_yaml_node *node, gw_light *light, gw_error *error) {
-    static const char *const keys[] = {"directional", "point", "color", "intensity"};
-    double color[3] = {1, 1, 1}, intensity = 1.0;
-    gw_code code = gw_yaml_expect(node, GW_YAML_MAP, "lights", error);
-    if (code == GW_OK)
-        code = gw_yaml_check_keys(node, keys, sizeof keys / sizeof *keys, error);
-    if (code != GW_OK)
-        return code;
-    const gw_yaml_node *directional = gw_yaml_find(node, "directional"), *point = gw_yaml_find(node, "point");
-    if (!directional == !point)
-        return gw_yaml_fail(node, error, "a light needs either 'directional' or 'point'");
-    light->kind = directional ? GW_LIGHT_DIRECTIONAL : GW_LIGHT_POINT;
-    code = gw_yaml_numbers(directional ? directional : point, directional ? "directional" : "point", 3,
-                           light->vector, error);
-    if (code == GW_OK && gw_yaml_find(node, "color"))
-        code = gw_yaml_numbers(gw_yaml_find(node, "color"), "color", 3, color, error);
-    if (code == GW_OK && gw_yaml_find(node, "intensity"))
-        code = gw_yaml_number(gw_yaml_find(node, "intensity"), "intensity", 0.0, 1e9, &intensity, error);
-    if (code != GW_OK)
-        return code;
-    for (int i = 0; i < 3; i++) {
-        if (color[i] < 0.0 || color[i] > 1e9)
-            return gw_yaml_fail(node, error, "key 'color': %g is not in 0..1e9", color[i]);
-        light->color[i] = (float)(color[i] * intensity);
-    }
-    if (light->kind == GW_LIGHT_DIRECTIONAL) {
-        double *v = light->vector;
-        const double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-        if (!(length > 0.0) || !isfinite(length))
-            return gw_yaml_fail(directional, error, "key 'directional': the direction has no length");
-        for (int i = 0; i < 3; i++)
-            v[i] /= length;
-    }
-    return GW_OK;
-}
-
-/* A list in the file replaces the models' own lights, also an empty one. */
-static gw_code read_lights(const gw_yaml_node *list, gw_scene *scene, gw_error *error) {
-    gw_code code = gw_yaml_expect(list, GW_YAML_LIST, "lights", error);
-    if (code != GW_OK)
-        return code;
-    free(scene->lights);
-    scene->light_count = 0;
-    code = gw_allocate((void **)&scene->lights, gw_yaml_count(list), sizeof *scene->lights, "lights", error);
-    for (size_t i = 0; code == GW_OK && i < gw_yaml_count(list); i++) {
-        code = read_light(gw_yaml_item(list, i), &scene->lights[i], error);
-        if (code == GW_OK)
-            scene->light_count++;
-    }
-    return code;
 }
 
 static gw_code read_color(const gw_yaml_node *node, const char *key, float out[3], gw_error *error) {
@@ -91,7 +38,7 @@ static gw_code read_surroundings(const gw_yaml_node *root, gw_scene *scene, gw_s
     const gw_yaml_node *ambient = gw_yaml_find(root, "ambient"),
                        *background = gw_yaml_find(root, "background");
     const gw_yaml_node *lights = gw_yaml_find(root, "lights");
-    gw_code code = lights ? read_lights(lights, scene, error) : GW_OK;
+    gw_code code = lights ? gw_yaml_read_lights(lights, scene, error) : GW_OK;
     if (code == GW_OK && ambient)
         code = read_color(ambient, "ambient", scene->ambient, error);
     if (code == GW_OK && background)

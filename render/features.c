@@ -17,6 +17,7 @@ const gw_feature_row gw_feature_rows[] = {
     {GW_FEATURE_ALPHA, "alpha", "ALPHA", "no material in use masks or blends"},
     {GW_FEATURE_DIRECTIONAL_LIGHTS, "directional-lights", "DIRECTIONAL_LIGHTS", "the scene has none"},
     {GW_FEATURE_POINT_LIGHTS, "point-lights", "POINT_LIGHTS", "the scene has none"},
+    {GW_FEATURE_SPOT_LIGHTS, "spot-lights", "SPOT_LIGHTS", "no light of the scene has a cone or a range"},
     {GW_FEATURE_LOD, "lod", "LOD", "tau is 0 wherever it applies, so every ray ends at triangles"},
     {GW_FEATURE_GAZE, "gaze", "GAZE", "no gaze is known, or nothing in the frame depends on it"},
     {GW_FEATURE_WIDE_NODES, "wide-nodes", "WIDE_NODES", "the octree has at most 2^24 nodes"},
@@ -60,6 +61,15 @@ static gw_features features_of_material(const gw_material *material, float mirro
     return bits;
 }
 
+static gw_features features_of_light(const gw_light *light) {
+    gw_features bits = light->kind == GW_LIGHT_DIRECTIONAL ? GW_FEATURE_DIRECTIONAL_LIGHTS
+                       : light->kind == GW_LIGHT_SPOT      ? GW_FEATURE_SPOT_LIGHTS
+                                                           : GW_FEATURE_POINT_LIGHTS;
+    if (light->range > 0.0f)
+        bits |= GW_FEATURE_SPOT_LIGHTS;
+    return bits;
+}
+
 static int has_normal(const gw_scene *scene) {
     for (size_t i = 0; i < (size_t)scene->vertex_count * 3; ++i)
         if (scene->normals[i] != 0.0f)
@@ -82,9 +92,7 @@ gw_features gw_features_of_scene(const gw_scene *scene, const gw_octree *octree,
     if (scene->normals && has_normal(scene))
         bits |= GW_FEATURE_SMOOTH_NORMALS;
     for (uint32_t i = 0; i < scene->light_count; ++i)
-        bits |=
-            GW_FEATURE_SHADOWS | (scene->lights[i].kind == GW_LIGHT_POINT ? GW_FEATURE_POINT_LIGHTS
-                                                                          : GW_FEATURE_DIRECTIONAL_LIGHTS);
+        bits |= GW_FEATURE_SHADOWS | features_of_light(&scene->lights[i]);
     if (octree->node_count > 1u << 24)
         bits |= GW_FEATURE_WIDE_NODES;
     if (octree->box_count > 0)

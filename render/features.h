@@ -38,6 +38,7 @@ typedef uint64_t gw_features;
 #define GW_FEATURE_SHEEN GW_FEATURE_BIT(19)
 #define GW_FEATURE_SPECULAR GW_FEATURE_BIT(20) /* reflectance of dielectrics other than 0.04 */
 #define GW_FEATURE_UNLIT GW_FEATURE_BIT(21)
+#define GW_FEATURE_SPOT_LIGHTS GW_FEATURE_BIT(25) /* lights with a cone or a range */
 #define GW_ALL_FEATURES UINT64_MAX
 
 /* What makes fragments ask for secondary rays. */

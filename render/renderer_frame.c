@@ -197,7 +197,7 @@ static gw_code begin_frame(gw_frame_job *job, const gw_similarity *placement, co
                      "frame %u: %u of %u gazes cannot be used and are left out", state->frame, dropped,
                      state->gaze_count);
     job->block.counts[1] = renderer->buffers.directional_count;
-    job->block.counts[2] = renderer->buffers.point_count;
+    job->block.counts[2] = renderer->buffers.placed_count;
     job->block.window[0] = rectangle->x;
     job->block.window[1] = rectangle->y;
     job->block.window[2] = rectangle->x + (int32_t)rectangle->width;

@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "build/gpu_types.h"
+#include "render/light_list.h"
 #include "render/material_rows.h"
 #include "render/root_grid.h"
 
@@ -119,33 +120,16 @@ static gw_code upload_materials(gw_gl *device, const gw_scene *scene, gw_scene_b
     return code;
 }
 
-static void fill_light(const gw_scene *scene, const gw_light *in, gw_gpu_light *out) {
-    for (int i = 0; i < 3; ++i) {
-        out->vector[i] = in->kind == GW_LIGHT_POINT
-                             ? (float)ldexp(in->vector[i] - scene->centre[i], -scene->exponent)
-                             : (float)-in->vector[i];
-        out->color[i] = in->color[i];
-    }
-}
-
 static gw_code upload_lights(gw_gl *device, const gw_scene *scene, gw_scene_buffers *out, gw_error *error) {
-    void *memory = NULL;
-    gw_code code =
-        gw_allocate(&memory, scene->light_count, sizeof(gw_gpu_light), "lights for the GPU", error);
-    if (code)
-        return code;
-    gw_gpu_light *lights = memory;
-    uint32_t at = 0;
-    for (int points = 0; points < 2; ++points)
-        for (uint32_t i = 0; i < scene->light_count; ++i)
-            if ((scene->lights[i].kind == GW_LIGHT_POINT) == points)
-                fill_light(scene, &scene->lights[i], &lights[at++]);
-    for (uint32_t i = 0; i < scene->light_count; ++i)
-        out->point_count += scene->lights[i].kind == GW_LIGHT_POINT;
-    out->directional_count = scene->light_count - out->point_count;
-    code = gw_gl_buffer_create(device, "lights", scene->light_count * sizeof *lights, lights, GL_RGBA32UI,
-                               &out->lights, error);
-    free(memory);
+    gw_light_list list;
+    gw_code code = gw_light_list_make(scene, &list, error);
+    const size_t count = (size_t)list.directional + list.placed;
+    if (!code)
+        code = gw_gl_buffer_create(device, "lights", count * sizeof *list.rows, list.rows, GL_RGBA32UI,
+                                   &out->lights, error);
+    out->directional_count = list.directional;
+    out->placed_count = list.placed;
+    gw_light_list_finish(&list);
     return code;
 }
 

@@ -15,8 +15,8 @@ typedef struct gw_scene_buffers {
     gw_gl_buffer nodes, references, triangles, payloads, emissions, boxes, faces, vertices, materials, lights;
     gw_gl_buffer extensions; /* of materials; empty without any */
     gw_texture_set textures;
-    uint32_t root_grid_level;                /* of the grid behind the nodes (root_grid.h), 0: none */
-    uint32_t directional_count, point_count; /* lights, in this order in the buffer */
+    uint32_t root_grid_level;                 /* of the grid behind the nodes (root_grid.h), 0: none */
+    uint32_t directional_count, placed_count; /* lights, in this order in the buffer */
 } gw_scene_buffers;
 
 /* extensions: 1: the rows of material extensions exist even if no material has any. */

@@ -36,7 +36,7 @@ GW_VEC4(secondary);  // shadow_tau, mirror_roughness, near_light
 GW_IVEC4(window);    // rectangle: x and y of its first pixel, x and y past its last
 GW_IVEC4(chunk);     // first block's x and y (pixels, multiples of 8), blocks per row, number of blocks
 GW_IVEC4(list);      // grid of blocks that samples are listed for, chunk and rim: as chunk, x and y multiples of 16
-GW_UVEC4(counts);    // viewers, directional lights, point lights, rays of a sharp pixel
+GW_UVEC4(counts);    // viewers, directional lights, lights with a place, rays of a sharp pixel
 GW_UVEC4(level_begin[4]); // first node of each octree level, 16 entries; unused ones are 0xffffffff
 GW_VEC4(accumulation); // xy: this sample's ray in its square, in sides of it from its centre; z: 1 / samples with this one;
                        // w: 1 when samples have been added before
@@ -89,10 +89,13 @@ GW_STRUCT_END(gw_gpu_extension)
 #define GW_TEXTURE_WRAP_V(word) (((word) >> 22) & 3u)
 #define GW_MAXIMUM_TEXTURE_CLASSES 4
 
-// Light, 2 texels. vector: unit direction towards the light, or position in rebased space; color: irradiance (at 1 m).
+// Light, GW_LIGHT_ROWS texels.
+#define GW_LIGHT_ROWS 4
 GW_STRUCT_BEGIN(gw_gpu_light)
-GW_VEC4(vector);
-GW_VEC4(color);
+GW_VEC4(vector); // unit direction towards the light, or position in rebased space
+GW_VEC4(color);  // irradiance (at 1 m); w: 1 / range^2, 1/m^2, 0: no end
+GW_VEC4(axis);   // unit direction in which a spot shines
+GW_VEC4(shape);  // scale and offset of the cosine in a cone
 GW_STRUCT_END(gw_gpu_light)
 
 // First word of a triangle's first fourth component, in the renderer's copy.

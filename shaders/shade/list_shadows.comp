@@ -3,7 +3,7 @@
 // lies in one light: the first fragment's ray serves those behind it, also those of later rounds. A ray is the place of its
 // visibility, fragment * lights + light.
 //
-// variants: OCTREE_DEPTH=11 REFLECTED=1 FRAGMENTS=8u; OCTREE_DEPTH=11; OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 FRAGMENTS=8u; OCTREE_DEPTH=11 LOD=1 GAZE=1 RESUME=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 REFLECTED=1 FRAGMENTS=8u; OCTREE_DEPTH=11; OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 SPOT_LIGHTS=1 FRAGMENTS=8u; OCTREE_DEPTH=11 LOD=1 GAZE=1 RESUME=1 FRAGMENTS=8u
 #ifndef OCTREE_DEPTH
 #define OCTREE_DEPTH 11
 #endif

@@ -17,7 +17,7 @@ struct Shadow_ray {
 
 // id, t: of the fragment; origin to tau: of the ray that met it, width at t.
 Shadow_ray shadow_ray_of(uint id, float t, vec3 origin, vec3 direction, float width, float tau, uint light) {
-    vec3 vector = uintBitsToFloat(texelFetch(lights, int(light) * 2).xyz);
+    vec3 vector = light_row(light, 0).xyz;
     bool point = light >= frame.counts.y;
     Secondary_start start = secondary_start(id, t, origin, direction);
     vec3 towards = point ? vector - start.place : vector;
@@ -31,6 +31,10 @@ Shadow_ray shadow_ray_of(uint id, float t, vec3 origin, vec3 direction, float wi
     Shadow_ray ray;
     // Light from behind reaches no surface; what lies in a voxel faces all ways as far as its normals disagree.
     ray.needed = rise > 0.0 || start.agreement < 1.0;
+#ifdef SPOT_LIGHTS
+    float reached = point ? share_of_light(light, towards / max(far, 1e-12), far * frame.eye.w) : 1.0;
+    ray.needed = ray.needed && reached > 0.0;
+#endif
     ray.width = width;
     ray.narrowing = point ? width : 0.0;
     ray.maximum = point ? BEFORE_POINT_LIGHT : 1e30;

@@ -45,7 +45,7 @@ static gw_scene *room(double up, int floor) {
         }
         scene->material_of[i] = on_floor ? MIRROR : MATT;
     }
-    *light = (gw_light){GW_LIGHT_DIRECTIONAL, {0.48, -0.8 * up, -0.36}, {2, 2, 2}};
+    *light = (gw_light){.kind = GW_LIGHT_DIRECTIONAL, .vector = {0.48, -0.8 * up, -0.36}, .color = {2, 2, 2}};
     scene->lights = light;
     scene->light_count = 1;
     for (int i = 0; i < 3; ++i) {

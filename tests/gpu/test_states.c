@@ -43,8 +43,9 @@ static void furnish(gw_scene *scene) {
          .emissive = {0.4f, 0.3f, 0.1f}},
         {.base_color = {0.9f, 0.9f, 0.9f, 1}, .roughness = 0, .metalness = 1}};
     enum { COUNT = sizeof materials / sizeof materials[0] };
-    static const gw_light lights[] = {{GW_LIGHT_DIRECTIONAL, {0.4, -0.8, -0.5}, {2, 2, 1.5f}},
-                                      {GW_LIGHT_POINT, {0.7, 0.9, 1.2}, {1, 1.5f, 2}}};
+    static const gw_light lights[] = {
+        {.kind = GW_LIGHT_DIRECTIONAL, .vector = {0.4, -0.8, -0.5}, .color = {2, 2, 1.5f}},
+        {.kind = GW_LIGHT_POINT, .vector = {0.7, 0.9, 1.2}, .color = {1, 1.5f, 2}}};
     void *memory = NULL;
     free(scene->materials);
     check_ok(gw_allocate(&memory, COUNT, sizeof *scene->materials, "materials", &error));

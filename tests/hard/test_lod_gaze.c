@@ -105,7 +105,7 @@ static void levels_hand_over_at_grazing_light(void **state) {
     gw_scene *scene = gw_mesh_take(&mesh);
     gw_light *light = calloc(1, sizeof *light);
     assert_non_null(light);
-    *light = (gw_light){GW_LIGHT_DIRECTIONAL, {0.98, 0.1, -0.15}, {9, 9, 9}};
+    *light = (gw_light){.kind = GW_LIGHT_DIRECTIONAL, .vector = {0.98, 0.1, -0.15}, .color = {9, 9, 9}};
     scene->lights = light;
     scene->light_count = 1;
     for (int k = 0; k < 3; ++k)

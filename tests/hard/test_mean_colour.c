@@ -148,7 +148,8 @@ static void errors_of_light(thing what, const char *shaders, const char *name, d
     scene->lights = calloc(1, sizeof *scene->lights);
     assert_non_null(scene->lights);
     scene->light_count = 1;
-    scene->lights[0] = (gw_light){GW_LIGHT_DIRECTIONAL, {0.3, -0.27, -0.914}, {2, 0, 0}};
+    scene->lights[0] =
+        (gw_light){.kind = GW_LIGHT_DIRECTIONAL, .vector = {0.3, -0.27, -0.914}, .color = {2, 0, 0}};
     scene->ambient[1] = 1;
     for (int k = 0; k < 3; ++k) {
         scene->materials[0].base_color[k] = 0.6f;

@@ -107,7 +107,7 @@ static double error_of_wedges(const char *rule) {
     void *light = NULL;
     check_ok(gw_allocate(&light, 1, sizeof *scene->lights, "light", &error));
     scene->lights = light;
-    scene->lights[0] = (gw_light){GW_LIGHT_DIRECTIONAL, {0, 0, -1}, {2, 2, 2}};
+    scene->lights[0] = (gw_light){.kind = GW_LIGHT_DIRECTIONAL, .vector = {0, 0, -1}, .color = {2, 2, 2}};
     scene->light_count = 1;
     check_ok(gw_stage_open(&stage, scene, NULL, (const char *const[]){"octree_depth=5", rule, NULL}, &error));
     gw_camera camera;
@@ -228,7 +228,7 @@ static void mixed_finishes_keep_their_light(void **state) {
     void *light = NULL;
     check_ok(gw_allocate(&light, 1, sizeof *scene->lights, "light", &error));
     scene->lights = light;
-    scene->lights[0] = (gw_light){GW_LIGHT_DIRECTIONAL, {0.6, 0, -0.8}, {3, 3, 3}};
+    scene->lights[0] = (gw_light){.kind = GW_LIGHT_DIRECTIONAL, .vector = {0.6, 0, -0.8}, .color = {3, 3, 3}};
     scene->light_count = 1;
     check_ok(gw_stage_open(&stage, scene, NULL, (const char *const[]){"octree_depth=8", NULL}, &error));
     gw_camera camera;

@@ -27,11 +27,12 @@ static void open_lit(gw_stage *stage, gw_mesh *mesh, const gw_light *light, cons
 
 static gw_light sun(double x, double y, double z) {
     double length = sqrt(x * x + y * y + z * z);
-    return (gw_light){GW_LIGHT_DIRECTIONAL, {x / length, y / length, z / length}, {30, 30, 30}};
+    return (gw_light){
+        .kind = GW_LIGHT_DIRECTIONAL, .vector = {x / length, y / length, z / length}, .color = {30, 30, 30}};
 }
 
 static gw_light lamp(double x, double y, double z) {
-    return (gw_light){GW_LIGHT_POINT, {x, y, z}, {3, 3, 3}};
+    return (gw_light){.kind = GW_LIGHT_POINT, .vector = {x, y, z}, .color = {3, 3, 3}};
 }
 
 static uint8_t *take(const gw_stage *stage, const gw_camera *camera, uint32_t forbidden,
@@ -200,10 +201,10 @@ static acne acne_of_ball(float tau, const char *shaders) {
 static acne acne_of_floor(uint32_t cuts, double height_of_sun, float tau, const char *shaders) {
     const double tilt = 0.3, c = cos(tilt), s = sin(tilt),
                  eye[3] = {0.31, cuts > 1 ? 3.3 : 0.33, cuts > 1 ? 4.1 : 0.41}, at[3] = {0.3, 0.1, 0.2};
-    gw_light light = {
-        GW_LIGHT_DIRECTIONAL,
-        {c * cos(height_of_sun) + s * sin(height_of_sun), s * cos(height_of_sun) - c * sin(height_of_sun), 0},
-        {0, 0, 0}};
+    gw_light light = {.kind = GW_LIGHT_DIRECTIONAL,
+                      .vector = {c * cos(height_of_sun) + s * sin(height_of_sun),
+                                 s * cos(height_of_sun) - c * sin(height_of_sun), 0},
+                      .color = {0, 0, 0}};
     for (int i = 0; i < 3; ++i)
         light.color[i] = (float)(3.0 / sin(height_of_sun));
     gw_mesh mesh = {0};
@@ -396,7 +397,7 @@ static void under_texture(gw_alpha_mode mode, uint8_t alpha, float tau, double s
         memcpy(scene->textures[0].image.rgba + (size_t)i * 4,
                (const uint8_t[]){255, 255, 255, i % 16 < 8 ? 0 : alpha}, 4);
     scene->texture_count = scene->light_count = 1;
-    scene->lights[0] = (gw_light){GW_LIGHT_DIRECTIONAL, {0, -1, 0}, {2, 2, 2}};
+    scene->lights[0] = (gw_light){.kind = GW_LIGHT_DIRECTIONAL, .vector = {0, -1, 0}, .color = {2, 2, 2}};
     for (int m = 0; m < 2; ++m)
         materials[m] = (gw_material){.base_color = {1, 1, 1, 1}, .roughness = 1, .base_color_texture = m - 1};
     materials[1].alpha_mode = mode;

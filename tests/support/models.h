@@ -35,7 +35,7 @@ static inline gw_source_model *test_model(void) {
                                               .two_sided = 1,
                                               .base_color_texture = -1}};
     static const gw_material_source material_sources[2] = {{3, 0, -1, -1, 1}, {-1, 1, 0, -1, 0}};
-    static const gw_light light = {GW_LIGHT_POINT, {1, 2, 3}, {4, 5, 6}};
+    static const gw_light light = {.kind = GW_LIGHT_POINT, .vector = {1, 2, 3}, .color = {4, 5, 6}};
     static const gw_viewpoint view = {"door", {0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 40};
     static const uint8_t pixels[8] = {1, 2, 3, 4, 5, 6, 7, 8};
     gw_source_model *model = NULL;

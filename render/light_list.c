@@ -2,6 +2,7 @@
 #include "render/light_list.h"
 
 #include "base/memory.h"
+#include "base/portable_math.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,14 +13,12 @@ static float rebased(const gw_scene *scene, double metres) {
 }
 
 /* share = clamp(scale * cosine + offset, 0, 1)^2, as KHR_lights_punctual recommends; 1 where there is no
- * cone. Cosines differ by a hair between C libraries, so they are rounded to 20 bits. */
+ * cone. */
 static void fill_cone(const gw_light *in, gw_gpu_light *out) {
     out->shape[1] = 1.0f;
     if (in->kind != GW_LIGHT_SPOT)
         return;
-    const double steps = 1 << 20;
-    const double inner = rint(cos((double)in->cone[0]) * steps) / steps,
-                 outer = rint(cos((double)in->cone[1]) * steps) / steps;
+    const double inner = gw_cos((double)in->cone[0]), outer = gw_cos((double)in->cone[1]);
     const double scale = 1.0 / fmax(0.001, inner - outer);
     out->shape[0] = (float)scale;
     out->shape[1] = (float)(-outer * scale);

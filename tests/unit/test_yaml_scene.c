@@ -166,7 +166,7 @@ static void mistakes_are_named(void **state) {
          "flattens the model"},
         {"version: 1\nmodels: [{file: DATA/tetra.off, scale: 1, matrix: [1,0,0,0, 0,1,0,0, 0,0,1,0]}]\n",
          "cannot stand beside"},
-        {"version: 1\n" MODEL "lights: [{color: [1, 1, 1]}]\n", "either 'directional' or 'point'"},
+        {"version: 1\n" MODEL "lights: [{color: [1, 1, 1]}]\n", "needs one of 'directional', 'point'"},
         {"version: 1\n" MODEL "lights: [{directional: [0, 0, 0]}]\n", "has no length"},
         {"version: 1\n" MODEL "lights: [{point: [0, 0, 0], color: [-1, 0, 0]}]\n", "not in 0..1e9"},
         {"version: 1\n" MODEL "ambient: [1, 1]\n", "ambient"},

@@ -1,0 +1,121 @@
+/* What lights give a surface, against their formulas: a white floor seen from above. */
+#include "tests/support/check.h"
+
+#include "base/srgb.h"
+#include "render/features.h"
+#include "tests/support/meshes.h"
+#include "tests/support/renders.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { SIDE = 48, PIXELS = SIDE * SIDE };
+
+/* A floor of 4 m at height 0, rough and white, seen from 6 m above; light from everywhere only if the test
+ * adds it. */
+static void open_floor(gw_stage *stage, const gw_light *lights, uint32_t count, const char *const *settings) {
+    gw_mesh mesh = {0};
+    gw_mesh_add_grid(&mesh, (const double[]){-2, 0, -2}, (const double[]){0, 0, 4}, (const double[]){4, 0, 0},
+                     4, 4);
+    gw_scene *scene = gw_mesh_take(&mesh);
+    scene->lights = calloc(count + 1, sizeof *scene->lights);
+    assert_non_null(scene->lights);
+    memcpy(scene->lights, lights, count * sizeof *lights);
+    scene->light_count = count;
+    for (int i = 0; i < 3; ++i) {
+        scene->ambient[i] = scene->background[i] = 0.0f;
+        scene->materials[0].base_color[i] = 0.8f;
+    }
+    scene->materials[0].roughness = 1.0f;
+    check_ok(gw_stage_open(stage, scene, NULL, settings, &error));
+}
+
+static const char *const exact[] = {"octree_depth=6", "tau=0", "tau_inside=0", NULL};
+
+static void look_down(gw_camera *camera, const gw_stage *stage) {
+    gw_camera_look(camera, stage, (const double[]){0, 6, 0.001}, (const double[]){0, 0, 0}, 36.0, SIDE);
+}
+
+/* Where the ray of a pixel meets the floor, metres. */
+static void place_on_floor(const gw_camera *camera, int x, int y, double place[3]) {
+    const double *eye = camera->state.eye;
+    double aim[3];
+    for (int i = 0; i < 3; ++i)
+        aim[i] = camera->plane.corner[i] + camera->plane.step_x[i] * (x + 0.5) +
+                 camera->plane.step_y[i] * (y + 0.5) - eye[i];
+    const double t = -eye[1] / aim[1];
+    for (int i = 0; i < 3; ++i)
+        place[i] = 1e-3 * (eye[i] + t * aim[i]);
+}
+
+static uint8_t *take(const gw_stage *stage, const gw_camera *camera, gw_features forced,
+                     gw_counters *counters) {
+    gw_renderer *renderer = NULL;
+    const gw_renderer_options options = {.force_features = forced};
+    check_ok(gw_renderer_create(stage->device, stage->scene, stage->octree, &options, &renderer, &error));
+    uint8_t *rgba = gw_camera_take(camera, renderer, counters);
+    gw_renderer_destroy(&renderer);
+    return rgba;
+}
+
+/* KHR_lights_punctual: intensity / d^2, times the cone's share, times what the range leaves. */
+static double spot_at(const gw_light *light, const double place[3]) {
+    double to[3], squared = 0.0, axis = 0.0;
+    for (int i = 0; i < 3; ++i) {
+        to[i] = light->vector[i] - place[i];
+        squared += to[i] * to[i];
+    }
+    const double distance = sqrt(squared);
+    for (int i = 0; i < 3; ++i)
+        axis -= (double)light->axis[i] * to[i] / distance;
+    const double inner = cos((double)light->cone[0]), outer = cos((double)light->cone[1]);
+    const double share = fmin(fmax((axis - outer) / (inner - outer), 0.0), 1.0);
+    const double left = fmax(1.0 - pow(distance / (double)light->range, 4.0), 0.0);
+    return (double)light->color[0] / squared * share * share * left * to[1] / distance;
+}
+
+static void spots_follow_the_standard(void **state) {
+    (void)state;
+    const gw_light spot = {.kind = GW_LIGHT_SPOT,
+                           .vector = {0.4, 2, -0.3},
+                           .color = {9, 9, 9},
+                           .axis = {0.2425356f, -0.9701425f, 0},
+                           .cone = {0.2f, 0.6f},
+                           .range = 2.9f};
+    gw_stage stage;
+    gw_camera camera;
+    gw_counters counters = {0};
+    open_floor(&stage, &spot, 1, exact);
+    look_down(&camera, &stage);
+    uint8_t *rgba = take(&stage, &camera, 0, &counters);
+    double worst = 0.0;
+    size_t lit = 0, dark = 0;
+    for (int y = 0; y < SIDE; ++y)
+        for (int x = 0; x < SIDE; ++x) {
+            double place[3];
+            place_on_floor(&camera, x, y, place);
+            if (fabs(place[0]) > 1.95 || fabs(place[2]) > 1.95)
+                continue;
+            const double given = spot_at(&spot, place) * 0.8 / 3.14159265358979;
+            const double seen = (double)gw_srgb_code_to_linear(rgba[4 * (y * SIDE + x)]);
+            lit += given > 0.05;
+            dark += given == 0.0;
+            if (given == 0.0)
+                assert_true(seen == 0.0);
+            if (given < 0.9) /* with what little a rough white surface mirrors */
+                worst = fmax(worst, fabs(seen - given) - 0.05 * given);
+        }
+    print_message("spot: %zu pixels lit, %zu dark, worst beyond its specular part %.4f, %llu shadow rays\n",
+                  lit, dark, worst, (unsigned long long)counters.shadow_rays);
+    assert_true(lit > 100 && dark > 500 && worst < 0.012);
+    assert_true(counters.shadow_rays < PIXELS - dark + 8); /* none where the cone ends */
+    free(rgba);
+    gw_stage_close(&stage);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(spots_follow_the_standard),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

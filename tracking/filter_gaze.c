@@ -39,6 +39,10 @@ void gw_gaze_filter_begin(gw_gaze_filter *filter, const gw_gaze_tuning *tuning) 
     filter->usual = tuning->saccade_speed / 8;
 }
 
+void gw_gaze_filter_restart(gw_gaze_filter *filter) {
+    filter->started = 0;
+}
+
 /* --- speed */
 
 typedef struct mean {

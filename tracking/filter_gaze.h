@@ -38,6 +38,8 @@ typedef struct gw_gaze_filter {
 } gw_gaze_filter;
 
 void gw_gaze_filter_begin(gw_gaze_filter *filter, const gw_gaze_tuning *tuning);
+/* What was told does not go with what comes: what comes next is no saccade from there. */
+void gw_gaze_filter_restart(gw_gaze_filter *filter);
 /* A direction of any length but 0 at a time (ns); one that is not finite, has no length or is not newer than
  * the one before is left out: 0. After a gap of more than 0.2 s nothing is known of what came before. */
 int gw_gaze_filter_take(gw_gaze_filter *filter, const double direction[3], int64_t time);

@@ -90,8 +90,3 @@ int gw_turn_filter_take(gw_turn_filter *f, const double sample[4], double dt) {
     f->delay = gw_low_pass_delay(cutoff);
     return 1;
 }
-
-void gw_turn_filter_predict(const gw_turn_filter *f, double seconds, double out[4]) {
-    const double way[3] = {seconds * f->velocity[0], seconds * f->velocity[1], seconds * f->velocity[2]};
-    gw_turn_on(f->at, way, out);
-}

@@ -24,8 +24,6 @@ typedef struct gw_turn_filter {
 void gw_turn_filter_begin(gw_turn_filter *filter, const gw_turn_tuning *tuning);
 /* Any length but 0; one that is not finite or has none is left out: 0. dt as gw_position_filter_take(). */
 int gw_turn_filter_take(gw_turn_filter *filter, const double sample[4], double dt);
-/* The filtered orientation, turned on at its velocity for so many seconds. */
-void gw_turn_filter_predict(const gw_turn_filter *filter, double seconds, double out[4]);
 
 /* The rotation vector (axis times radians, 0 to pi) of a unit quaternion, and back. */
 void gw_turn_to_vector(const double q[4], double out[3]);

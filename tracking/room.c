@@ -109,6 +109,11 @@ void gw_room_position(const gw_room *room, const double position[3], double out_
         out_mm[i] = room->unit * out_mm[i] + room->shift[i];
 }
 
+int gw_room_equal(const gw_room *a, const gw_room *b) {
+    return a->unit == b->unit && memcmp(&a->axes, &b->axes, sizeof a->axes) == 0 &&
+           memcmp(a->turn, b->turn, sizeof a->turn) == 0 && memcmp(a->shift, b->shift, sizeof a->shift) == 0;
+}
+
 void gw_room_pose(const gw_room *room, const double position[3], const double orientation[4],
                   double out_position_mm[3], double out_orientation[4]) {
     double mapped[4];

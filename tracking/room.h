@@ -45,6 +45,8 @@ typedef struct gw_room {
 /* Wall axes and origin. */
 void gw_room_default(double unit, gw_room *out);
 
+int gw_room_equal(const gw_room *a, const gw_room *b);
+
 /* A pose of a sensor. out may be the inputs. */
 void gw_room_pose(const gw_room *room, const double position[3], const double orientation[4],
                   double out_position_mm[3], double out_orientation[4]);

@@ -30,19 +30,23 @@ static void note_period(gw_sensor_state *sensor, int64_t period) {
 
 int gw_sensor_take(gw_sensor_state *sensor, int64_t arrival, int64_t time, int64_t hold_time) {
     const int lost = sensor->heard && arrival > gw_sensor_lost_at(sensor, hold_time);
-    if (!sensor->heard || lost) {
-        sensor->returned = time;
-        sensor->since_return = 0;
-    } else if (sensor->since_return < UINT32_MAX) {
+    if (sensor->since_return < UINT32_MAX)
         sensor->since_return++;
-    }
     if (sensor->heard)
         note_period(sensor, time - sensor->time);
+    const int first = !sensor->heard;
     sensor->losses += lost ? 1 : 0;
     sensor->heard = 1;
     sensor->arrival = arrival;
     sensor->time = time;
+    if (first || lost)
+        gw_sensor_restart(sensor);
     return lost;
+}
+
+void gw_sensor_restart(gw_sensor_state *sensor) {
+    sensor->returned = sensor->time;
+    sensor->since_return = 0;
 }
 
 int64_t gw_sensor_lost_at(const gw_sensor_state *sensor, int64_t hold_time) {

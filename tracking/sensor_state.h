@@ -41,6 +41,8 @@ typedef struct gw_sensor_state {
 int64_t gw_sensor_hold(const gw_sensor_state *sensor, int64_t hold_time);
 /* A sample; time must be later than that of the one before. 1: the sensor had been lost. */
 int gw_sensor_take(gw_sensor_state *sensor, int64_t arrival, int64_t time, int64_t hold_time);
+/* What its newest sample says does not go with those before: as if it had returned with it. */
+void gw_sensor_restart(gw_sensor_state *sensor);
 /* Never GW_SENSOR_RETURNED. Before the first arrival it is fresh. */
 gw_sensor_phase gw_sensor_phase_at(const gw_sensor_state *sensor, int64_t now, int64_t hold_time);
 /* When it was lost, or will be if it stays silent. */

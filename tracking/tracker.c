@@ -137,17 +137,34 @@ void gw_tracker_wand(const gw_tracker *tracker, gw_wand *out) {
     *out = tracker->wand;
 }
 
+/* The next samples are about another place: they must not count as a head or an eye that moved there. */
+static void note_moves(gw_tracker *tracker, const int8_t *room_changed, uint32_t viewer, int sensor_changed) {
+    const gw_tracker_viewer *who = &tracker->setup.viewers[viewer];
+    const int head = who->source >= 0 && room_changed[who->source];
+    const int gaze = who->gaze_source >= 0 && room_changed[who->gaze_source];
+    if (head || sensor_changed)
+        tracker->heads[viewer].moved = 1;
+    if (head || gaze || sensor_changed)
+        gw_gaze_filter_restart(&tracker->gazes[viewer].filter);
+}
+
 void gw_tracker_set_rooms(gw_tracker *tracker, const gw_tracker_setup *setup) {
     gw_tracker_setup *own = &tracker->setup;
-    for (uint32_t s = 0; s < own->source_count && s < setup->source_count; s++)
+    int8_t changed[GW_TRACKER_SOURCES] = {0};
+    for (uint32_t s = 0; s < own->source_count && s < setup->source_count; s++) {
+        changed[s] = !gw_room_equal(&own->sources[s].room, &setup->sources[s].room);
         own->sources[s].room = setup->sources[s].room;
+    }
     memset(tracker->sanity, 0, sizeof tracker->sanity);
     for (uint32_t v = 0; v < own->viewer_count && v < setup->viewer_count; v++) {
         gw_tracker_viewer *to = &own->viewers[v];
         const gw_tracker_viewer *from = &setup->viewers[v];
+        const int sensor_changed = memcmp(to->head_turn, from->head_turn, sizeof to->head_turn) != 0 ||
+                                   memcmp(to->eye_offset, from->eye_offset, sizeof to->eye_offset) != 0;
         memcpy(to->head_turn, from->head_turn, sizeof to->head_turn);
         memcpy(to->eye_offset, from->eye_offset, sizeof to->eye_offset);
         to->gaze_error = from->gaze_error;
+        note_moves(tracker, changed, v, sensor_changed);
     }
 }
 

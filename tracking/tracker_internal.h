@@ -1,5 +1,6 @@
 /* What the files of the tracker share: tracker.c sorts events, tracker_order.c says which samples are new and
- * when they were taken, tracker_head.c leads the eyes, tracker_gaze.c follows the gazes. */
+ * when they were taken, tracker_head.c leads the eyes, tracker_glide.c from one place to another without a
+ * jump, tracker_gaze.c follows the gazes. */
 #ifndef GW_TRACKING_TRACKER_INTERNAL_H
 #define GW_TRACKING_TRACKER_INTERNAL_H
 
@@ -41,13 +42,43 @@ typedef struct gw_sample_order {
     int64_t behind;
 } gw_sample_order;
 
+/* How a head moves on, as its filters knew it at one moment. */
+typedef struct gw_head_motion {
+    double at[3], velocity[3]; /* mm, mm/s */
+    double turn[4], spin[3];   /* rad/s about its own axes */
+    double delay;              /* s, of the filter */
+    double known;              /* 0 to 1: how far it is predicted already */
+    int64_t time;              /* ns, of the newest sample */
+} gw_head_motion;
+
+typedef struct gw_head_pose {
+    double eye[3], turn[4];
+} gw_head_pose;
+
+/* A sample that did not follow from the one before: the first, one after a silence, one of a room that was
+ * changed. Where the eye was just before and where it is just after depends on how far ahead frames are seen,
+ * which only who asks knows; so both motions are kept. */
+typedef struct gw_head_change {
+    int64_t since; /* ns, its arrival */
+    int stood;     /* 1: the eye was at `from` however far ahead one looks */
+    gw_head_pose from;
+    gw_head_motion before, after;
+    double rest[3], turn_rest[3]; /* what was left then of changes that are no longer kept */
+} gw_head_change;
+
+/* rad/s: swings the eyes about the middle between them by 0.1 m/s at most. */
+#define GW_SWING_SPEED 3.0
+/* More within one glide are a rare thing: the oldest are then merged. */
+enum { GW_HEAD_CHANGES = 3 };
+
 typedef struct gw_head_channel {
     gw_sample_order order;
     gw_sensor_state sensor;
     gw_position_filter place;
     gw_turn_filter turn;
-    gw_glide glide;     /* to the tracked place */
-    gw_glide swing;     /* and turn: a rotation vector in its axes */
+    gw_head_change changes[GW_HEAD_CHANGES]; /* the newest last */
+    uint32_t change_count;
+    int moved;          /* the room or the sensor's place on the head was changed since the newest sample */
     int64_t on_its_way; /* ns, of the newest sample */
     double quality;
 } gw_head_channel;
@@ -79,6 +110,17 @@ struct gw_tracker {
 int gw_sample_is_new(gw_tracker *tracker, gw_source_clock *clock, gw_sample_order *order,
                      const gw_tracking_event *event, const double numbers[GW_SAMPLE_NUMBERS],
                      const gw_sensor_state *sensor, int64_t *time);
+
+/* tracker_glide.c: predicts a motion; presentation is when the frame is seen, ns. */
+double gw_head_horizon(const gw_tracker_tuning *tuning, const gw_head_motion *motion, int64_t presentation);
+void gw_head_predict(const gw_tracker_tuning *tuning, const gw_head_motion *motion, int64_t presentation,
+                     gw_head_pose *out);
+/* Makes room for one more change and returns it, all 0 but `since`. */
+gw_head_change *gw_head_change_add(const gw_tracker_tuning *tuning, gw_head_channel *head, int64_t since);
+/* What is left of all changes at `now`, for frames that are seen `lead` ns later: mm, and a rotation vector
+ * in the head's axes. 0: nothing of the place. */
+int gw_head_glide(const gw_tracker_tuning *tuning, const gw_head_channel *head, int64_t now, int64_t lead,
+                  double eye[3], double turn[3]);
 
 /* tracker_head.c */
 void gw_head_take(gw_tracker *tracker, uint32_t viewer, const gw_tracking_event *event);

@@ -3,114 +3,15 @@
 #include "tests/support/check.h"
 
 #include "tests/support/random.h"
+#include "tests/support/track_scene.h"
 #include "tracking/filter_turn.h"
 #include "tracking/quaternion.h"
 #include "tracking/tracker.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 static const double pi = 3.14159265358979323846;
-static const int64_t ms = 1000000, second = 1000000000;
-static const int64_t unix_time = INT64_C(1700000000000000000);
-static const double neutral[3] = {0, 0, 1800};
-
-/* --- scenes
- * ---------------------------------------------------------------------------------------------------- */
-
-/* A head that walks and sways, up to about 0.5 m/s; m. */
-static void place_at(double t, double out[3]) {
-    out[0] = 0.6 * sin(0.7 * t) + 0.05 * sin(3.1 * t);
-    out[1] = 0.1 + 0.04 * sin(1.3 * t);
-    out[2] = 2.0 + 0.2 * sin(0.5 * t + 1);
-}
-
-static void turn_at(double t, double out[4]) {
-    const double v[3] = {0.2 * sin(0.9 * t), 1.5 * sin(0.6 * t), 0.1 * sin(1.1 * t)};
-    gw_turn_from_vector(v, out);
-}
-
-static gw_tracking_event head_event(double t, int64_t on_its_way) {
-    gw_tracking_event e = {.kind = GW_EVENT_POSE, .quality = 1};
-    const int64_t sent = llrint(t * 1e9);
-    e.arrival = sent + on_its_way;
-    e.device_time = unix_time + sent;
-    place_at(t, e.of.pose.position);
-    turn_at(t, e.of.pose.orientation);
-    return e;
-}
-
-static gw_tracking_event gaze_event(double t, int64_t on_its_way) {
-    gw_tracking_event e = head_event(t, on_its_way);
-    const double v[3] = {0.1 * sin(0.4 * t), 0.2 * sin(0.3 * t), 0};
-    e.sensor = 1;
-    gw_turn_from_vector(v, e.of.pose.orientation);
-    return e;
-}
-
-enum { MOST = 40000 };
-typedef struct scene {
-    gw_tracking_event events[MOST];
-    size_t count;
-    size_t taken;
-    gw_tracker *tracker;
-} scene;
-
-static void add(scene *s, gw_tracking_event event) {
-    assert_true(s->count < MOST);
-    s->events[s->count++] = event;
-}
-
-/* Head and gaze from 0 to `end` s, without those from hole_from to hole_to. */
-static void fill(scene *s, double rate, double end, double hole_from, double hole_to) {
-    s->count = 0;
-    for (int i = 0; i < end * rate; i++) {
-        const double t = i / rate;
-        if (t > hole_from && t < hole_to)
-            continue;
-        add(s, head_event(t, 3 * ms));
-        add(s, gaze_event(t, 3 * ms));
-    }
-}
-
-static int by_arrival(const void *a, const void *b) {
-    const gw_tracking_event *x = a, *y = b;
-    return (x->arrival > y->arrival) - (x->arrival < y->arrival);
-}
-
-static void open_tracker(scene *s, const char *const *settings, int adopt_first) {
-    gw_settings all;
-    gw_settings_init(&all);
-    for (; settings && *settings; settings++)
-        check_ok(gw_settings_assign(&all, *settings, &error));
-    gw_tracker_setup setup;
-    gw_tracker_setup_default("Test@localhost", &setup);
-    const gw_tracker_options options = {&all, {neutral[0], neutral[1], neutral[2]}, adopt_first};
-    s->taken = 0;
-    check_ok(gw_tracker_create(&setup, &options, &s->tracker, &error));
-}
-
-/* The first viewer, for a frame that is made at `now`, with all that has arrived by then. */
-static gw_viewer_view ask(scene *s, int64_t now, int64_t lead) {
-    gw_tracker_view view;
-    while (s->taken < s->count && s->events[s->taken].arrival <= now)
-        gw_tracker_take(s->tracker, 0, &s->events[s->taken++]);
-    gw_tracker_at(s->tracker, now, now + lead, &view);
-    return view.viewers[0];
-}
-
-static double apart(const double a[3], const double b[3]) {
-    return sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) +
-                (a[2] - b[2]) * (a[2] - b[2]));
-}
-
-static double angle_between(const double a[4], const double b[4]) {
-    double way[3];
-    gw_turn_between(a, b, way);
-    return sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
-}
-
-static const char *const every_filter[][2] = {
-    {NULL, NULL}, {"head_filter=one-euro", NULL}, {"head_filter=kalman", NULL}};
 
 /* --- a hole
  * ---------------------------------------------------------------------------------------------------- */
@@ -130,16 +31,6 @@ static double worst_step_of_a_snap(double fps) {
         memcpy(raw_before, raw, sizeof raw);
     }
     return worst;
-}
-
-/* mm, the newest head sample that has been taken. */
-static void newest_sample(const scene *s, double out[3]) {
-    for (size_t i = s->taken; i-- > 0;)
-        if (s->events[i].sensor == 0) {
-            for (int k = 0; k < 3; k++)
-                out[k] = 1000 * s->events[i].of.pose.position[k];
-            return;
-        }
 }
 
 /* The words of the states that follow each other, "fresh held lost ..." */
@@ -253,63 +144,6 @@ static void eyes_never_jump_at_random(void **state) {
     }
 }
 
-/* A head that turns round while its sensor is silent for less than the hold time, again and again, before
- * what was left of the last time is made up for; then its room is changed. */
-static void short_silence_and_new_rooms_are_made_up_for(void **state) {
-    (void)state;
-    for (size_t filter = 0; filter < 3; filter++)
-        for (int64_t lead = 0; lead <= 50 * ms; lead += 50 * ms) {
-            static scene s;
-            s.count = 0;
-            const double hole = 0.09, speed = 1, again = 0.19; /* s, m/s, s */
-            for (int i = 0; i < 300; i++) {
-                const double t = i / 60.0, phase = fmod(t, again);
-                gw_tracking_event e = head_event(t, 0);
-                if (t > 1 && phase < hole)
-                    continue;
-                const double to_and_fro = fmod(t, 2 * again) / again; /* turns in the middle of each hole */
-                const double at = (to_and_fro < 1 ? to_and_fro : 2 - to_and_fro) - hole / 2 / again;
-                const double place[3] = {speed * again * at, 0, 2};
-                memcpy(e.of.pose.position, place, sizeof place);
-                turn_at(0, e.of.pose.orientation);
-                add(&s, e);
-            }
-            open_tracker(&s, every_filter[filter], 1);
-            gw_viewer_view before = ask(&s, 0, lead);
-            double snap = 0, worst = 0;
-            int held = 0;
-            const int moved = 246; /* just after a hole */
-            for (int frame = 1; frame < 300; frame++) {
-                double sample_before[3], sample[3];
-                const int64_t now = frame * second / 60 + 5 * ms;
-                newest_sample(&s, sample_before);
-                if (frame == moved) {
-                    gw_tracker_setup other;
-                    gw_tracker_setup_default("Test@localhost", &other);
-                    other.sources[0].room.shift[1] = 400;
-                    gw_tracker_set_rooms(s.tracker, &other);
-                }
-                const gw_viewer_view view = ask(&s, now, lead);
-                newest_sample(&s, sample);
-                const double step = apart(view.eye, before.eye);
-                /* Beyond what it follows, which is predicted, by a filter that may overshoot its turns. */
-                const double raw = fmax(apart(sample, sample_before), 1.8 * 1000 * speed / 60);
-                if (before.head_state == GW_SENSOR_HELD || (frame >= moved && frame < moved + 4))
-                    worst = fmax(worst, step - raw);
-                if (before.head_state == GW_SENSOR_HELD && view.head_state != GW_SENSOR_HELD) {
-                    snap = fmax(snap, apart(sample, before.eye));
-                    held++;
-                }
-                before = view;
-            }
-            if (!(worst <= 20))
-                fail_msg("filter %zu, lead %lld ms: %g mm", filter, (long long)(lead / ms), worst);
-            assert_true(snap > 50 && held > 10);        /* what an eye does that follows at once */
-            assert_true(fabs(before.eye[1] - 400) < 1); /* and there it is */
-            gw_tracker_destroy(&s.tracker);
-        }
-}
-
 /* --- the same, however it is asked
  * ----------------------------------------------------------------------------- */
 
@@ -353,6 +187,11 @@ static void check_alike(scene *a, scene *b, double from, double millimetres) {
         assert_int_equal(x.head_state, y.head_state);
         assert_true(x.confidence == y.confidence);
     }
+}
+
+static int by_arrival(const void *a, const void *b) {
+    const gw_tracking_event *x = a, *y = b;
+    return (x->arrival > y->arrival) - (x->arrival < y->arrival);
 }
 
 static void what_comes_twice_or_late_is_left_out(void **state) {
@@ -643,7 +482,6 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(eyes_never_jump),
         cmocka_unit_test(eyes_never_jump_at_random),
-        cmocka_unit_test(short_silence_and_new_rooms_are_made_up_for),
         cmocka_unit_test(views_depend_on_events_and_times_only),
         cmocka_unit_test(what_comes_twice_or_late_is_left_out),
         cmocka_unit_test(signs_and_lengths_of_quaternions_do_not_count),

@@ -5,11 +5,8 @@
 #include "tracking/source_internal.h"
 
 #include "base/clock.h"
-#include "base/memory.h"
 #include "tracking/dtrack_message.h"
 
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { FLYSTICK_BUTTONS = 8, FLYSTICK_AXES = 2, CONTROLLER_PORT = 50107 };
@@ -17,10 +14,8 @@ static const int64_t OPENING = 10000000000; /* ns from one such datagram to the 
 static const char opener[] = "fw4dtsdkc";
 
 typedef struct dtrack_source {
-    gw_source base;
-    int socket;
-    gw_endpoint only;
-    int64_t last, opened; /* ns: the last datagram, the last opener */
+    gw_datagram_source base;
+    int64_t opened; /* ns: the last opener */
     int has_frame;
     uint32_t frame, step; /* step: how far the counter usually moves, of a divided rate */
     int bodies;           /* sensors before the Flysticks: never fewer than before */
@@ -39,34 +34,35 @@ enum {
 
 /* The counter of frames is that of all sensors. 0: this frame is to be passed over. */
 static int is_newer(dtrack_source *s) {
-    const int32_t ahead = (int32_t)(s->parsed.frame - s->frame), restart = 1024;
+    const int32_t ahead = (int32_t)(s->parsed.frame - s->frame);
     if (!s->parsed.has_frame)
         return 1;
-    if (!s->has_frame || ahead <= -restart) {
+    const int known = s->has_frame, anew = !known || ahead <= -GW_SEQUENCE_JUMP;
+    if (anew) {
         s->has_frame = 1;
-        s->frame = s->parsed.frame;
         s->step = 0;
-        return 1;
-    }
-    if (ahead > 0 && (s->step == 0 || (uint32_t)ahead < s->step))
+    } else if (ahead > 0 && (s->step == 0 || (uint32_t)ahead < s->step)) {
         s->step = (uint32_t)ahead;
-    const uint32_t lost = ahead > 0 && ahead < 1000000 ? (uint32_t)ahead / s->step - 1 : 0;
+    }
+    const uint32_t steps = !anew && ahead > 0 ? (uint32_t)ahead / s->step : 1;
+    const int jumps = known && (anew || steps > GW_SEQUENCE_JUMP);
     for (int i = 0; i < SENSORS; i++) {
-        gw_sensor_counters *counters = &s->base.counters.sensors[i];
+        gw_sensor_counters *counters = &s->base.base.counters.sensors[i];
         if (!s->seen[i])
             continue;
-        counters->lost += lost;
-        counters->duplicated += ahead == 0;
-        counters->reordered += ahead < 0;
+        counters->jumps += (uint64_t)jumps;
+        counters->lost += jumps ? 0 : steps - 1;
+        counters->duplicated += !anew && ahead == 0;
+        counters->reordered += !anew && ahead < 0;
     }
-    if (ahead > 0)
+    if (anew || ahead > 0)
         s->frame = s->parsed.frame;
-    return ahead > 0;
+    return anew || ahead > 0;
 }
 
 static void emit_pose(dtrack_source *s, int sensor, const gw_dtrack_pose *pose, gw_tracking_event *event) {
     if (sensor >= GW_SOURCE_SENSORS) {
-        s->base.counters.unknown += pose->listed != 0;
+        s->base.base.counters.unknown += pose->listed != 0;
         return;
     }
     if (!pose->tracked && !s->seen[sensor])
@@ -81,7 +77,7 @@ static void emit_pose(dtrack_source *s, int sensor, const gw_dtrack_pose *pose, 
         memcpy(event->of.pose.position, pose->position, sizeof pose->position);
         memcpy(event->of.pose.orientation, pose->orientation, sizeof pose->orientation);
     }
-    gw_source_emit_pose(&s->base, event);
+    gw_source_emit_pose(&s->base.base, event);
 }
 
 static void emit_controls(dtrack_source *s, int number, gw_tracking_event *event) {
@@ -95,7 +91,7 @@ static void emit_controls(dtrack_source *s, int number, gw_tracking_event *event
         event->sensor = FLYSTICK_BUTTONS * number + i;
         memset(&event->of, 0, sizeof event->of);
         event->of.button.pressed = (f->buttons & bit) != 0;
-        gw_source_emit(&s->base, event);
+        gw_source_emit(&s->base.base, event);
     }
     s->buttons[number] = f->buttons;
     for (int i = 0; i < f->axis_count && i < FLYSTICK_AXES; i++) {
@@ -106,7 +102,7 @@ static void emit_controls(dtrack_source *s, int number, gw_tracking_event *event
         event->sensor = FLYSTICK_AXES * number + i;
         memset(&event->of, 0, sizeof event->of);
         event->of.analog.value = f->axes[i];
-        gw_source_emit(&s->base, event);
+        gw_source_emit(&s->base.base, event);
     }
 }
 
@@ -134,7 +130,7 @@ static void emit_frame(dtrack_source *s, int64_t arrival) {
 }
 
 static void take(dtrack_source *s, size_t size, int64_t arrival) {
-    gw_source *source = &s->base;
+    gw_source *source = &s->base.base;
     if (size > sizeof s->bytes) {
         source->counters.malformed++;
         return;
@@ -154,7 +150,7 @@ static void take(dtrack_source *s, size_t size, int64_t arrival) {
         source->status.standing = GW_SOURCE_SILENT;
         s->has_frame = 0;
     }
-    s->last = arrival;
+    s->base.last = arrival;
     if (is_newer(s))
         emit_frame(s, arrival);
 }
@@ -163,55 +159,35 @@ static void poll_source(gw_source *source, int64_t now) {
     dtrack_source *s = (dtrack_source *)source;
     ptrdiff_t got;
     int64_t arrival;
-    if (s->only.address[0] && (!s->opened || now - s->opened >= OPENING)) {
-        gw_endpoint controller = s->only;
+    if (s->base.only.address[0] && (!s->opened || now - s->opened >= OPENING)) {
+        gw_endpoint controller = s->base.only;
         controller.port = CONTROLLER_PORT;
         s->opened = now;
-        (void)gw_socket_send_to(s->socket, &controller, opener, sizeof opener);
+        (void)gw_socket_send_to(s->base.socket, &controller, opener, sizeof opener);
     }
     for (int turn = 0; turn < 256; turn++) {
-        got = gw_source_datagram(source, s->socket, &s->only, s->bytes, sizeof s->bytes, now, &arrival);
+        got = gw_datagram_source_next(&s->base, s->bytes, sizeof s->bytes, now, &arrival);
         if (got < 0)
             break;
         take(s, (size_t)got, arrival);
     }
-    gw_source_watch(source, s->last, now);
-}
-
-static int descriptors(const gw_source *source, int *out, int room) {
-    if (room > 0)
-        out[0] = ((const dtrack_source *)source)->socket;
-    return room > 0;
+    gw_datagram_source_watch(&s->base, now);
 }
 
 static int64_t next(const gw_source *source) {
     const dtrack_source *s = (const dtrack_source *)source;
-    const int64_t watch = gw_source_watch_next(source, s->last);
-    const int64_t open = s->only.address[0] ? s->opened + OPENING : INT64_MAX;
+    const int64_t watch = gw_datagram_source_wakes(source);
+    const int64_t open = s->base.only.address[0] ? s->opened + OPENING : INT64_MAX;
     return watch < open ? watch : open;
 }
 
-static void close_source(gw_source *source) {
-    dtrack_source *s = (dtrack_source *)source;
-    gw_socket_close(&s->socket);
-    free(s);
-}
-
 gw_code gw_dtrack_source_open(const gw_source *like, const char *where, gw_source **out, gw_error *error) {
-    void *memory = NULL;
-    gw_code code = gw_allocate(&memory, 1, sizeof(dtrack_source), "DTrack listener", error);
+    gw_datagram_source *made;
+    gw_code code = gw_datagram_source_open(like, where, sizeof(dtrack_source), "DTrack listener", poll_source,
+                                           &made, error);
     if (code)
         return code;
-    dtrack_source *s = memory;
-    s->base = *like;
-    s->base.poll = poll_source;
-    s->base.descriptors = descriptors;
-    s->base.next = next;
-    s->base.close = close_source;
-    code = gw_source_listen(&s->base, where, &s->socket, &s->only, error);
-    if (code)
-        free(s);
-    else
-        *out = &s->base;
-    return code;
+    made->base.next = next;
+    *out = &made->base;
+    return GW_OK;
 }

@@ -1,21 +1,17 @@
 /* Listens to gaze datagrams (docs/gaze-datagram.md), of as many viewers as send. */
 #include "tracking/source_internal.h"
 
-#include "base/memory.h"
 #include "tracking/gaze_datagram.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 
 typedef struct gaze_source {
-    gw_source base;
-    int socket, told_version;
-    gw_endpoint only;
-    int64_t last; /* ns: the last datagram */
+    gw_datagram_source base;
+    int told_version;
 } gaze_source;
 
 static void take(gaze_source *s, const uint8_t *data, size_t size, int64_t arrival) {
-    gw_source *source = &s->base;
+    gw_source *source = &s->base.base;
     gw_tracking_event event;
     gw_gaze_extra extra;
     const gw_gaze_reading reading = gw_gaze_datagram_read(data, size, &event, &extra);
@@ -44,9 +40,9 @@ static void take(gaze_source *s, const uint8_t *data, size_t size, int64_t arriv
     }
     if (reading != GW_GAZE_READ || event.sensor >= GW_SOURCE_SENSORS)
         return;
-    s->last = arrival;
+    s->base.last = arrival;
     event.arrival = arrival;
-    if (gw_source_sequence(source, event.sensor, extra.sequence, 1) == GW_ORDER_NEWER)
+    if (gw_source_sequence(source, event.sensor, extra.sequence) == GW_ORDER_NEWER)
         gw_source_emit(source, &event);
 }
 
@@ -55,46 +51,19 @@ static void poll_source(gw_source *source, int64_t now) {
     uint8_t data[GW_GAZE_DATAGRAM_LONGEST];
     int64_t arrival;
     for (int turn = 0; turn < 1024; turn++) {
-        const ptrdiff_t got =
-            gw_source_datagram(source, s->socket, &s->only, data, sizeof data, now, &arrival);
+        const ptrdiff_t got = gw_datagram_source_next(&s->base, data, sizeof data, now, &arrival);
         if (got < 0)
             break;
         take(s, data, (size_t)got, arrival);
     }
-    gw_source_watch(source, s->last, now);
-}
-
-static int descriptors(const gw_source *source, int *out, int room) {
-    if (room > 0)
-        out[0] = ((const gaze_source *)source)->socket;
-    return room > 0;
-}
-
-static int64_t next(const gw_source *source) {
-    return gw_source_watch_next(source, ((const gaze_source *)source)->last);
-}
-
-static void close_source(gw_source *source) {
-    gaze_source *s = (gaze_source *)source;
-    gw_socket_close(&s->socket);
-    free(s);
+    gw_datagram_source_watch(&s->base, now);
 }
 
 gw_code gw_gaze_source_open(const gw_source *like, const char *where, gw_source **out, gw_error *error) {
-    void *memory = NULL;
-    gw_code code = gw_allocate(&memory, 1, sizeof(gaze_source), "gaze listener", error);
-    if (code)
-        return code;
-    gaze_source *s = memory;
-    s->base = *like;
-    s->base.poll = poll_source;
-    s->base.descriptors = descriptors;
-    s->base.next = next;
-    s->base.close = close_source;
-    code = gw_source_listen(&s->base, where, &s->socket, &s->only, error);
-    if (code)
-        free(s);
-    else
-        *out = &s->base;
+    gw_datagram_source *made;
+    gw_code code =
+        gw_datagram_source_open(like, where, sizeof(gaze_source), "gaze listener", poll_source, &made, error);
+    if (!code)
+        *out = &made->base;
     return code;
 }

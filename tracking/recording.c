@@ -23,7 +23,7 @@ const char *const gw_log_type_names[GW_LOG_TYPES] = {
     [GW_LOG_BUTTONS] = GW_VRPN_TYPE_BUTTONS,  [GW_LOG_ANALOGS] = GW_VRPN_TYPE_ANALOG,
     [GW_LOG_TEXT] = GW_VRPN_TYPE_TEXT,        [GW_LOG_STAMP] = "gazewall Stamp",
     [GW_LOG_GAZE] = "gazewall Gaze",          [GW_LOG_LINK] = "gazewall Link",
-    [GW_LOG_UNTRACKED] = "gazewall Untracked"};
+    [GW_LOG_UNTRACKED] = "gazewall Untracked", [GW_LOG_END] = "gazewall End"};
 
 const char *const gw_csv_columns[GW_CSV_COLUMNS] = {
     "arrival_s", "sender", "kind", "sensor", "device_s", "latency_s", "quality",  "x",     "y",    "z", "qx",

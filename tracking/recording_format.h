@@ -26,6 +26,7 @@ typedef enum gw_log_type {
     GW_LOG_GAZE,
     GW_LOG_LINK,
     GW_LOG_UNTRACKED,
+    GW_LOG_END,
     GW_LOG_TYPES
 } gw_log_type;
 

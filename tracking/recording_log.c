@@ -35,6 +35,7 @@ typedef struct reader {
     gw_log_type types[GW_LOG_IDS];
     int32_t senders[GW_LOG_IDS]; /* number in the recording + 1; 0: not described */
     stamp stamp;
+    int end_promised, ended; /* the mark of a recording's end: it was to come, it came */
 } reader;
 
 /* "vrpn: ver. 07.38": peers compare up to the last dot, which is the major version. */
@@ -82,7 +83,7 @@ static gw_code read_system_record(reader *reading, const record *r, gw_error *er
         if (r->type == -1)
             reading->senders[r->sender] = number + 1;
         else
-            reading->types[r->sender] = type_named(name);
+            reading->end_promised |= (reading->types[r->sender] = type_named(name)) == GW_LOG_END;
     }
     reading->counters->descriptions++;
     return GW_OK;
@@ -223,7 +224,7 @@ static gw_code read_record(reader *reading, const record *r, gw_error *error) {
     const gw_log_type type = r->type >= 0 && r->type < GW_LOG_IDS ? reading->types[r->type] : GW_LOG_UNKNOWN;
     /* Without a stamp nothing is known but the record's time: it is the device's in VRPN's own logs. */
     stamp clocks = {.time = r->time, .device_time = r->time, .quality = 1.0};
-    const int is_event = type >= GW_LOG_POSE && type != GW_LOG_TEXT && type != GW_LOG_STAMP;
+    const int is_event = type >= GW_LOG_POSE && type != GW_LOG_TEXT && type != GW_LOG_STAMP && type != GW_LOG_END;
     if (reading->stamp.given && reading->stamp.sender == r->sender && is_event) {
         clocks = reading->stamp;
     } else if (reading->stamp.given) {
@@ -232,12 +233,15 @@ static gw_code read_record(reader *reading, const record *r, gw_error *error) {
     }
     reading->stamp.given = 0;
     reading->counters->records++;
+    reading->ended = type == GW_LOG_END;
     if (r->type < 0)
         return read_system_record(reading, r, error);
     if (type == GW_LOG_UNKNOWN)
         reading->counters->unknown_type++;
     else if (type == GW_LOG_OTHER)
         reading->counters->other_type++;
+    else if (type == GW_LOG_END)
+        reading->counters->descriptions++;
     else if (r->sender < 0 || r->sender >= GW_LOG_IDS || reading->senders[r->sender] == 0)
         reading->counters->unknown_sender++;
     else if (type == GW_LOG_TEXT)
@@ -249,17 +253,22 @@ static gw_code read_record(reader *reading, const record *r, gw_error *error) {
     return GW_OK;
 }
 
-/* Looks at the next record: 1 when it is whole, 0 at the end; -1 and the damage when it is neither. */
+/* Looks at the next record: 1 when it is whole, 0 at the end that it should have; -1 and the damage when it is neither. */
 static int next_record(reader *reading, record *out) {
     gw_byte_stream *stream = reading->builder->stream;
     gw_recording_damage *damage = &reading->builder->recording->damage;
     const uint8_t *bytes;
     size_t there = gw_byte_stream_peek(stream, GW_LOG_HEADER, &bytes);
     const char *problem = gw_byte_stream_problem(stream);
-    if (there == 0 && problem == NULL)
+    if (there == 0 && problem == NULL && (reading->ended || !reading->end_promised))
         return 0;
     *damage = (gw_recording_damage){
         .found = 1, .offset = gw_byte_stream_offset(stream), .record = reading->counters->records + 1};
+    if (there == 0 && problem == NULL) {
+        snprintf(damage->text, sizeof damage->text,
+                 "the mark of its end was expected: who recorded it was ended before it was closed");
+        return -1;
+    }
     const char *why = problem != NULL ? problem : "the file is cut off";
     if (there < GW_LOG_HEADER) {
         snprintf(damage->text, sizeof damage->text,

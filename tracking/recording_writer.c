@@ -263,6 +263,10 @@ gw_code gw_recording_writer_note(gw_recording_writer *writer, int64_t arrival, c
                : put_record(writer, GW_LOG_TEXT, 0, writer->start + arrival, payload, sizeof payload, error);
 }
 
+gw_code gw_recording_writer_mark_end(gw_recording_writer *writer, gw_error *error) {
+    return writer->is_csv ? GW_OK : describe(writer, GW_LOG_END, writer->start, error);
+}
+
 gw_code gw_recording_writer_flush(gw_recording_writer *writer, gw_error *error) {
     gw_code code = put_waiting(writer, error);
     return code != GW_OK || gzflush(writer->file, Z_SYNC_FLUSH) == Z_OK ? code : fail_write(writer, error);
@@ -275,6 +279,8 @@ gw_code gw_recording_writer_close(gw_recording_writer **at, gw_error *error) {
     gw_code code = GW_OK;
     if (writer->file != NULL) {
         code = put_waiting(writer, error);
+        if (code == GW_OK && writer->described[GW_LOG_END])
+            code = put_record(writer, GW_LOG_END, 0, writer->start, NULL, 0, error);
         if (gzclose(writer->file) != Z_OK && code == GW_OK)
             code = gw_fail(error, GW_NO_OUTPUT, "%s: cannot be written: %s", writer->path, strerror(errno));
     }

@@ -24,6 +24,9 @@ gw_code gw_recording_writer_check(const char *path, int overwrite, gw_error *err
  * GW_NO_OUTPUT when it cannot be made. */
 gw_code gw_recording_writer_open(const char *path, gw_recording_form form, int64_t start, int overwrite,
                                  gw_recording_writer **out, gw_error *error);
+/* Closing marks the end of a log, and a reader that misses the mark says so: for what is written while it
+ * happens, by a program that may be killed. After a sender, before events. CSV has no such mark. */
+gw_code gw_recording_writer_mark_end(gw_recording_writer *writer, gw_error *error);
 /* A device whose events follow; its number. At most GW_RECORDING_SENDERS; names are cut to what VRPN takes.
  */
 gw_code gw_recording_writer_sender(gw_recording_writer *writer, const char *name, uint32_t *out,

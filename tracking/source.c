@@ -14,7 +14,6 @@
 
 static const double FARTHEST = 1e9;           /* of any unit: no place in a room */
 static const int64_t CLOCK_STEP = 1000000000; /* ns */
-static const int64_t SILENCE = 2000000000;    /* ns after which a sender of datagrams is lost */
 
 /* --- making events */
 
@@ -92,8 +91,7 @@ void gw_source_emit_pose(gw_source *source, gw_tracking_event *event) {
     gw_source_emit(source, event);
 }
 
-gw_source_order gw_source_sequence(gw_source *source, int sensor, uint32_t sequence, uint32_t step) {
-    const int32_t reorder_limit = 1024;
+gw_source_order gw_source_sequence(gw_source *source, int sensor, uint32_t sequence) {
     gw_sensor_newest *newest = &source->newest[sensor];
     gw_sensor_counters *counters = &source->counters.sensors[sensor];
     const int32_t ahead = (int32_t)(sequence - newest->sequence);
@@ -101,79 +99,18 @@ gw_source_order gw_source_sequence(gw_source *source, int sensor, uint32_t seque
         counters->duplicated++;
         return GW_ORDER_SAME;
     }
-    if (newest->has_sequence && ahead < 0 && ahead > -reorder_limit) {
+    if (newest->has_sequence && ahead < 0 && ahead > -GW_SEQUENCE_JUMP) {
         counters->reordered++;
         return GW_ORDER_OLDER;
     }
-    /* A gap of hours is no loss that can be counted one by one. */
-    if (newest->has_sequence && ahead > 0 && ahead < 1000000)
-        counters->lost += (uint32_t)ahead / step - 1;
+    const int jumps = ahead < 0 || ahead > GW_SEQUENCE_JUMP;
+    if (newest->has_sequence && jumps)
+        counters->jumps++;
+    else if (newest->has_sequence)
+        counters->lost += (uint32_t)ahead - 1;
     newest->has_sequence = 1;
     newest->sequence = sequence;
     return GW_ORDER_NEWER;
-}
-
-/* --- listeners of datagrams */
-
-gw_code gw_source_listen(gw_source *source, const char *where, int *socket, gw_endpoint *only,
-                         gw_error *error) {
-    gw_endpoint given = {.port = 0}, at = {.port = 0};
-    uint16_t port;
-    gw_code code = gw_endpoint_parse(where, source->spec, &given, error);
-    if (code)
-        return code;
-    if (!where[0])
-        return gw_fail(error, GW_BAD_INPUT, "%s: name the port to listen to, as %s5000", source->spec,
-                       source->spec);
-    memcpy(at.address, source->bind, sizeof at.address);
-    at.port = given.port;
-    *only = given;
-    if (gw_address_is_multicast(given.address))
-        only->address[0] = '\0';
-    *socket = gw_socket_datagrams(&at, given.address, &port);
-    if (*socket < 0)
-        return gw_fail(error, GW_MACHINE, "%s: port %u cannot be listened to: %s%s", source->spec,
-                       (unsigned)given.port, strerror(errno),
-                       errno == EADDRINUSE      ? "; another program has it"
-                       : errno == EADDRNOTAVAIL ? "; that is no address of this machine"
-                       : errno == ENODEV        ? "; no interface leads there: name one to bind to"
-                                                : "");
-    snprintf(source->status.address, sizeof source->status.address, "%s:%u",
-             given.address[0] ? given.address : "0.0.0.0", (unsigned)port);
-    source->status.standing = GW_SOURCE_SILENT;
-    return GW_OK;
-}
-
-ptrdiff_t gw_source_datagram(gw_source *source, int socket, const gw_endpoint *only, uint8_t *bytes,
-                             size_t size, int64_t now, int64_t *arrival) {
-    for (int others = 0; others < 1024; others++) {
-        gw_endpoint from;
-        const ptrdiff_t got = gw_socket_receive(socket, bytes, size, now, arrival, &from);
-        if (got < 0)
-            return -1;
-        source->counters.packets++;
-        source->counters.bytes += (uint64_t)got;
-        if (!only->address[0] || strcmp(only->address, from.address) == 0)
-            return got;
-        source->counters.unknown++;
-    }
-    return -1;
-}
-
-static int is_up(const gw_source *source) {
-    return source->counters.connections > source->counters.losses;
-}
-
-void gw_source_watch(gw_source *source, int64_t last, int64_t now) {
-    if (!is_up(source) || now - last < SILENCE)
-        return;
-    gw_source_emit_link(source, 0, now);
-    source->status.standing = GW_SOURCE_SILENT;
-    gw_log_write(source->log, GW_LOG_WARNING, "tracker %s: nothing has come for 2 s", source->spec);
-}
-
-int64_t gw_source_watch_next(const gw_source *source, int64_t last) {
-    return is_up(source) ? last + SILENCE : INT64_MAX;
 }
 
 /* --- opening */
@@ -285,6 +222,20 @@ int gw_source_descriptors(const gw_source *source, int *descriptors, int room) {
 
 int64_t gw_source_next(const gw_source *source) {
     return source->next ? source->next(source) : INT64_MAX;
+}
+
+gw_sensor_counters gw_source_sum(const gw_source_counters *counters) {
+    gw_sensor_counters sum = {0};
+    for (int i = 0; i < GW_SOURCE_SENSORS; i++) {
+        const gw_sensor_counters *c = &counters->sensors[i];
+        sum.events += c->events;
+        sum.lost += c->lost;
+        sum.jumps += c->jumps;
+        sum.duplicated += c->duplicated;
+        sum.reordered += c->reordered;
+        sum.untracked += c->untracked;
+    }
+    return sum;
 }
 
 const char *gw_source_name(const gw_source *source) {

@@ -13,12 +13,17 @@
 
 #include <stdint.h>
 
-enum { GW_SOURCE_SENSORS = 64 }; /* sensors that are counted one by one */
+enum {
+    GW_SOURCE_SENSORS = 64, /* sensors that are counted one by one */
+    GW_SEQUENCE_JUMP = 1024 /* a second of the fastest trackers */
+};
 
 /* Per sensor of poses (or viewer of gazes). */
 typedef struct gw_sensor_counters {
     uint64_t events;
     uint64_t lost;       /* by sequence numbers or frame counters, where the protocol has them */
+    uint64_t jumps;      /* of those numbers by GW_SEQUENCE_JUMP and more, either way: a sender that began anew,
+                            a long silence, or a forged packet; how many were lost it cannot tell */
     uint64_t duplicated; /* with the time stamp and numbers of the one before; not passed on */
     uint64_t reordered;  /* older than the newest of that sensor by less than 1 s; not passed on. More is a
                             clock that was set, or a sender that began anew: it is followed. */
@@ -35,6 +40,9 @@ typedef struct gw_source_counters {
     uint64_t connections, losses; /* how often the peer was reached, and lost again */
     gw_sensor_counters sensors[GW_SOURCE_SENSORS];
 } gw_source_counters;
+
+/* The counters of all sensors together. */
+gw_sensor_counters gw_source_sum(const gw_source_counters *counters);
 
 typedef struct gw_source_options {
     const char *bind; /* numeric address of the local interface; NULL or "": all */

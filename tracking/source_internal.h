@@ -46,20 +46,30 @@ void gw_source_emit_link(gw_source *source, int up, int64_t arrival);
 
 typedef enum gw_source_order { GW_ORDER_NEWER, GW_ORDER_SAME, GW_ORDER_OLDER } gw_source_order;
 /* Where a sequence number (of 32 bits, around zero) stands to the sensor's newest; counts what is missing
- * between, in steps of `step`. A jump back by more than 1024 is a sender that began anew. */
-gw_source_order gw_source_sequence(gw_source *source, int sensor, uint32_t sequence, uint32_t step);
+ * between. A jump back is a sender that began anew. */
+gw_source_order gw_source_sequence(gw_source *source, int sensor, uint32_t sequence);
 
-/* --- listeners of datagrams */
+/* --- listeners of datagrams: a protocol's own struct begins with this */
 
-/* Opens one for [ADDRESS:]PORT: joins the group, or remembers the only sender in *only. */
-gw_code gw_source_listen(gw_source *source, const char *where, int *socket, gw_endpoint *only,
-                         gw_error *error);
-/* The next datagram: its bytes, or -1. From others than *only are counted and passed over. */
-ptrdiff_t gw_source_datagram(gw_source *source, int socket, const gw_endpoint *only, uint8_t *bytes,
-                             size_t size, int64_t now, int64_t *arrival);
+typedef struct gw_datagram_source {
+    gw_source base;
+    int socket;
+    gw_endpoint only; /* the one sender whose datagrams count; no address: any */
+    int64_t last;     /* ns: the last datagram of the protocol, which says so itself */
+} gw_datagram_source;
+
+/* Allocates `size` bytes, all 0, and listens at [ADDRESS:]PORT: joins a group, or remembers the only sender.
+ */
+gw_code gw_datagram_source_open(const gw_source *like, const char *where, size_t size, const char *what,
+                                void (*poll)(gw_source *source, int64_t now), gw_datagram_source **out,
+                                gw_error *error);
+/* The next datagram: its bytes, or -1. From others than the only sender are counted and passed over. */
+ptrdiff_t gw_datagram_source_next(gw_datagram_source *source, uint8_t *bytes, size_t size, int64_t now,
+                                  int64_t *arrival);
 /* After all that came by `now`: a sender that was silent for 2 s is lost. */
-void gw_source_watch(gw_source *source, int64_t last, int64_t now);
-int64_t gw_source_watch_next(const gw_source *source, int64_t last);
+void gw_datagram_source_watch(gw_datagram_source *source, int64_t now);
+/* By when (ns) it must be polled to see that. */
+int64_t gw_datagram_source_wakes(const gw_source *source);
 
 /* --- the protocols: *out is allocated and filled; source.c sets spec, bind and log first in `like` */
 

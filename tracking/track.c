@@ -1,6 +1,8 @@
 #include "tracking/track.h"
 
 #include "base/embedded.h"
+#include "base/file.h"
+#include "base/suggest.h"
 #include "tracking/quaternion.h"
 
 #include <inttypes.h>
@@ -63,20 +65,73 @@ static void fit(gw_tracking_event *event, const double scale[3]) {
     gw_turn_onto(direction, event->of.pose.orientation);
 }
 
-gw_code gw_track_demo_file(gw_recording **out, gw_error *error) {
+/* --- those that are in this program */
+
+static const char FOLDER[] = "configs/tracks/", DEMO[] = "demo";
+enum { SHIPPED = 16 };
+
+static int is_track(const gw_embedded_file *file) {
+    return strncmp(file->name, FOLDER, sizeof FOLDER - 1) == 0;
+}
+
+/* walking of configs/tracks/walking.vrpn.gz. */
+static int has_name(const gw_embedded_file *file, const char *name) {
+    const char *own = file->name + sizeof FOLDER - 1;
+    return is_track(file) && strcspn(own, ".") == strlen(name) && strncmp(own, name, strlen(name)) == 0;
+}
+
+static const gw_embedded_file *find_shipped(const char *name) {
+    for (size_t i = 0; i < gw_embedded_count; i++)
+        if (has_name(&gw_embedded_files[i], name))
+            return &gw_embedded_files[i];
+    return NULL;
+}
+
+int gw_track_is_shipped(const char *name) {
+    return find_shipped(name) != NULL && !gw_file_exists(name);
+}
+
+int gw_track_suggest(const char *name, char out[GW_TRACK_NAME]) {
+    char names[SHIPPED][GW_TRACK_NAME];
+    const char *known[SHIPPED];
+    size_t count = 0;
+    for (size_t i = 0; i < gw_embedded_count && count < SHIPPED; i++)
+        if (is_track(&gw_embedded_files[i])) {
+            const char *own = gw_embedded_files[i].name + sizeof FOLDER - 1;
+            snprintf(names[count], GW_TRACK_NAME, "%.*s", (int)strcspn(own, "."), own);
+            known[count] = names[count];
+            count++;
+        }
+    const char *near = gw_suggest(name, known, count);
+    if (near != NULL)
+        snprintf(out, GW_TRACK_NAME, "%s", near);
+    return near != NULL;
+}
+
+static gw_code parse_shipped(const gw_embedded_file *file, const char *name, gw_recording **out,
+                             gw_error *error) {
     *out = NULL;
-    const gw_embedded_file *file = gw_embedded_find("configs/tracks/demo.vrpn");
     if (file == NULL)
-        return gw_fail(error, GW_MACHINE,
-                       "demo track: configs/tracks/demo.vrpn is not in this program; build it again");
-    return gw_recording_parse(file->data, file->size, "demo", out, error);
+        return gw_fail(error, GW_MACHINE, "track %s: it is not in this program; build it again", name);
+    return gw_recording_parse(file->data, file->size, name, out, error);
+}
+
+gw_code gw_track_load(const char *path, gw_recording **out, gw_error *error) {
+    if (gw_track_is_shipped(path))
+        return parse_shipped(find_shipped(path), path, out, error);
+    char near[GW_TRACK_NAME];
+    gw_code code = gw_recording_load(path, out, error);
+    if (code != GW_OK && !gw_file_exists(path) && gw_track_suggest(path, near))
+        return gw_fail(error, GW_BAD_INPUT,
+                       "%s: there is no such file; did you mean '%s', a track of this program?", path, near);
+    return code;
 }
 
 gw_code gw_track_demo(double width, double height, gw_recording **out, gw_error *error) {
     *out = NULL;
     if (!(width > 0.0 && height > 0.0 && isfinite(width) && isfinite(height)))
         return gw_fail(error, GW_BAD_INPUT, "demo track: a wall of %g x %g mm has no area", width, height);
-    gw_code code = gw_track_demo_file(out, error);
+    gw_code code = parse_shipped(find_shipped(DEMO), DEMO, out, error);
     if (code != GW_OK)
         return code;
     double scale[3] = {width / RECORDED_WIDTH, height / RECORDED_HEIGHT, 0.0};

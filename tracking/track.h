@@ -20,13 +20,19 @@ enum {
  * none does. */
 gw_code gw_track_sender(const gw_recording *recording, uint32_t *out, gw_error *error);
 
+/* A recording by its path; or one that is in this program by its name alone, unless a file has that name:
+ * demo, walking and the others of configs/tracks (docs/tracks.md). */
+gw_code gw_track_load(const char *path, gw_recording **out, gw_error *error);
+int gw_track_is_shipped(const char *name);
+/* The nearest name of those to a misspelt one; 0: none is near. */
+enum { GW_TRACK_NAME = 32 };
+int gw_track_suggest(const char *name, char out[GW_TRACK_NAME]);
+
 /* The embedded demo track, in millimetres: a viewer in front of a wall of width x height mm centred on
  * (0,0,0); the gaze crosses tile borders. It is read from configs/tracks/demo.vrpn, embedded, then fitted to
  * the wall: it was recorded in front of one of 2000 x 1125 mm, so positions are scaled by width/2000 and
  * height/1125 (depth by their geometric mean), and a gaze that met the recorded wall at a point meets this
  * one at the corresponding point. */
 gw_code gw_track_demo(double width, double height, gw_recording **out, gw_error *error);
-/* The file as it is, in metres. */
-gw_code gw_track_demo_file(gw_recording **out, gw_error *error);
 
 #endif

@@ -120,6 +120,8 @@ static gw_code begin_file(recorder *r, gw_error *error) {
                                             ? "gazes: recorded, with the consent of who was looking"
                                             : "gazes: not recorded, without consent",
                                         error);
+    if (code == GW_OK)
+        code = gw_recording_writer_mark_end(r->writer, error);
     for (uint32_t i = 0; i < r->link_count && code == GW_OK; i++)
         code =
             gw_recording_writer_event(r->writer, r->senders[r->links[i].source], &r->links[i].event, error);
@@ -220,18 +222,15 @@ static gw_code record(recorder *r, int *interrupted, gw_error *error) {
 
 static void print_source(recorder *r, int source) {
     gw_source_counters c;
-    uint64_t lost = 0, duplicated = 0, reordered = 0;
     gw_reader_count(r->reader, source, &c, NULL);
-    for (int i = 0; i < GW_SOURCE_SENSORS; i++) {
-        lost += c.sensors[i].lost;
-        duplicated += c.sensors[i].duplicated;
-        reordered += c.sensors[i].reordered;
-    }
+    const gw_sensor_counters sum = gw_source_sum(&c);
     printf("%-12s %s: %" PRIu64 " events in %" PRIu64 " packets; %" PRIu64 " lost, %" PRIu64
-           " duplicated, %" PRIu64 " reordered, %" PRIu64 " malformed, %" PRIu64 " not finite, %" PRIu64
-           " unknown, %" PRIu64 " too many at once; reached %" PRIu64 " times\n",
-           r->names[source], r->wishes->sources[source], c.events, c.packets, lost, duplicated, reordered,
-           c.malformed, c.not_finite, c.unknown, gw_reader_dropped(r->reader, source), c.connections);
+           " jumps of their numbers, %" PRIu64 " duplicated, %" PRIu64 " reordered, %" PRIu64
+           " malformed, %" PRIu64 " not finite, %" PRIu64 " unknown, %" PRIu64
+           " too many at once; reached %" PRIu64 " times\n",
+           r->names[source], r->wishes->sources[source], c.events, c.packets, sum.lost, sum.jumps, sum.duplicated,
+           sum.reordered, c.malformed, c.not_finite, c.unknown, gw_reader_dropped(r->reader, source),
+           c.connections);
 }
 
 static void print_summary(recorder *r) {

@@ -26,9 +26,9 @@ typedef struct gw_replay_pace {
     int loop;
 } gw_replay_pace;
 
-/* Until the recording is over, or standard input when it is stepped through. A VRPN server waits for its
- * first client. */
+/* Until the recording is over, or standard input when it is stepped through, or a signal comes, whose number is
+ * then told. A VRPN server waits for its first client. */
 gw_code gw_replay_play(const gw_recording *recording, const gw_replay_pace *pace, const gw_log *log,
-                       int quiet, gw_error *error);
+                       int quiet, int *interrupted, gw_error *error);
 
 #endif

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "tracking/server.h"
+#include "wall/interrupt.h"
 
 #include <inttypes.h>
 #include <poll.h>
@@ -27,14 +28,14 @@ static int64_t unix_now(void) {
     return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
 }
 
-/* Serves clients until `until` (ns), or until something is typed where `typed` is not NULL. */
+/* Serves clients until `until` (ns), or until something is typed where `typed` is not NULL, or a signal. */
 static void serve_until(player *p, int64_t until, int *typed) {
     for (;;) {
         struct pollfd wait[DESCRIPTORS + 1] = {{.fd = STDIN_FILENO, .events = POLLIN}};
         int descriptors[DESCRIPTORS];
         int64_t now = gw_now_ns();
         gw_server_poll(p->server, now);
-        if (now >= until)
+        if (now >= until || gw_interrupt_pending())
             return;
         const int first = typed == NULL;
         const int count = gw_server_descriptors(p->server, descriptors, DESCRIPTORS);
@@ -68,7 +69,7 @@ static void play_once(player *p) {
     const int64_t start = events[0].event.arrival;
     p->begun = gw_now_ns();
     p->begun_unix = unix_now();
-    for (size_t i = 0; i < p->recording->count;) {
+    for (size_t i = 0; i < p->recording->count && !gw_interrupt_pending();) {
         const double passed = (double)(events[i].event.arrival - start) / p->pace->speed;
         serve_until(p, p->begun + (int64_t)passed, NULL);
         const int64_t moment = events[i].event.arrival;
@@ -79,12 +80,14 @@ static void play_once(player *p) {
     }
 }
 
-/* One line of standard input: the end of it is the end. */
+/* One line of standard input: the end of it is the end. Half a line may wait for ever, so signals end that. */
 static int read_line(void) {
     char c = 0;
     ssize_t got;
+    gw_interrupt_release();
     while ((got = read(STDIN_FILENO, &c, 1)) == 1 && c != '\n')
         ;
+    gw_interrupt_hold();
     return got == 1;
 }
 
@@ -92,9 +95,9 @@ static void play_steps(player *p) {
     const gw_recorded_event *events = p->recording->events;
     size_t i = 0;
     for (int typed = 0; i < p->recording->count; typed = 0) {
-        while (!typed)
+        while (!typed && !gw_interrupt_pending())
             serve_until(p, gw_now_ns() + 1000000000, &typed);
-        if (!read_line())
+        if (!typed || !read_line())
             return;
         const int64_t moment = events[i].event.arrival;
         size_t first = i;
@@ -119,7 +122,7 @@ static void tell(const player *p, int quiet) {
 }
 
 gw_code gw_replay_play(const gw_recording *recording, const gw_replay_pace *pace, const gw_log *log,
-                       int quiet, gw_error *error) {
+                       int quiet, int *interrupted, gw_error *error) {
     player p = {.recording = recording, .pace = pace, .log = log};
     const gw_server_options options = {.device = recording->senders[recording->events[0].sender], .log = log};
     gw_code code = gw_server_open(pace->serve, &options, &p.server, error);
@@ -129,15 +132,17 @@ gw_code gw_replay_play(const gw_recording *recording, const gw_replay_pace *pace
         printf("serving      %s\n", gw_server_name(p.server));
         fflush(stdout);
     }
+    gw_interrupt_hold(); /* a signal ends it in good order */
     /* A track that nobody hears is played for nothing: the first client starts it. */
-    while (pace->serve[0] == 'v' && gw_server_count(p.server)->connected == 0)
+    while (pace->serve[0] == 'v' && gw_server_count(p.server)->connected == 0 && !gw_interrupt_pending())
         serve_until(&p, gw_now_ns() + 20000000, NULL);
     do {
         if (pace->speed > 0.0)
             play_once(&p);
         else
             play_steps(&p);
-    } while (pace->loop && pace->speed > 0.0);
+    } while (pace->loop && pace->speed > 0.0 && !gw_interrupt_pending());
+    *interrupted = gw_interrupt_pending();
     tell(&p, quiet);
     gw_server_close(&p.server);
     return GW_OK;

@@ -94,7 +94,7 @@ static gw_code open_recording(gw_tracked *tracked, const gw_tracked_options *opt
                               json_t *report, gw_error *error) {
     int8_t sources[GW_RECORDING_SENDERS];
     char damage[320];
-    gw_code code = gw_recording_load(path, &tracked->recording, error);
+    gw_code code = gw_track_load(path, &tracked->recording, error);
     if (code)
         return code;
     tracked->duration = tracked->recording->duration;
@@ -123,9 +123,19 @@ static gw_code open_source(gw_tracked *tracked, const gw_tracked_options *option
                            gw_error *error) {
     const gw_tracker_setup *site = &options->site->trackers;
     gw_source *none = NULL;
-    /* Neither: the error names the forms that there are, and the nearest. */
+    char near[GW_TRACK_NAME];
+    if (options->track && gw_track_is_shipped(options->track))
+        return strcmp(options->track, "demo")
+                   ? open_recording(tracked, options, options->track, report, error)
+                   : open_demo(tracked, options, report, error);
     if (options->track && !gw_file_exists(options->track) && !gw_source_is(options->track))
-        return gw_source_open(options->track, NULL, &none, error);
+        /* Neither: the error names the forms that there are, and the nearest. */
+        return gw_track_suggest(options->track, near) ? gw_fail(error, GW_BAD_INPUT,
+                                                                "--track '%.80s' is neither a file nor a "
+                                                                "tracking source; did you mean '%s', a track "
+                                                                "of this program?",
+                                                                options->track, near)
+                                                      : gw_source_open(options->track, NULL, &none, error);
     if (options->track && !is_source(options->track))
         return open_recording(tracked, options, options->track, report, error);
     if (options->track) {

@@ -91,20 +91,15 @@ json_t *gw_tracked_live_json(gw_tracked_live *live) {
     json_t *list = json_array();
     gw_source_counters *c = calloc(1, sizeof *c);
     for (uint32_t i = 0; c && i < live->setup.source_count; i++) {
-        uint64_t lost = 0, duplicated = 0, reordered = 0;
         gw_reader_count(live->reader, (int)i, c, NULL);
-        for (int k = 0; k < GW_SOURCE_SENSORS; k++) {
-            lost += c->sensors[k].lost;
-            duplicated += c->sensors[k].duplicated;
-            reordered += c->sensors[k].reordered;
-        }
+        const gw_sensor_counters sum = gw_source_sum(c);
         json_array_append_new(
-            list, json_pack("{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "source",
+            list, json_pack("{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "source",
                             live->setup.sources[i].spec, "bytes", count(c->bytes), "packets",
                             count(c->packets), "events", count(c->events), "malformed", count(c->malformed),
                             "not_finite", count(c->not_finite), "unknown", count(c->unknown), "connections",
-                            count(c->connections), "losses", count(c->losses), "lost", count(lost),
-                            "duplicated", count(duplicated), "reordered", count(reordered), "dropped",
+                            count(c->connections), "losses", count(c->losses), "lost", count(sum.lost), "jumps", count(sum.jumps),
+                            "duplicated", count(sum.duplicated), "reordered", count(sum.reordered), "dropped",
                             count(gw_reader_dropped(live->reader, (int)i) + (i ? 0 : live->dropped))));
     }
     free(c);

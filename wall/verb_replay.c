@@ -102,7 +102,7 @@ static error_t parse_text(int key, char *value, replay_options *options) {
 
 static error_t check_options(const replay_options *options) {
     if (options->track == NULL)
-        gw_fail(options->error, GW_BAD_INPUT, "name a track: a recording, or demo");
+        gw_fail(options->error, GW_BAD_INPUT, "name a track: a recording, or demo, walking, ...");
     else if (options->plot != NULL && !gw_path_has_extension(options->plot, ".svg"))
         gw_fail(options->error, GW_BAD_INPUT, "--plot %s: the drawing is SVG, so its name ends in .svg",
                 options->plot);
@@ -156,8 +156,9 @@ static const struct argp replay_argp = {
     .options = option_table,
     .parser = parse_option,
     .args_doc = "TRACK",
-    .doc = "What is in a recording of head and gaze trackers (a VRPN log or CSV, also gzipped; demo is the "
-           "embedded one); or it is played to other programs."
+    .doc = "What is in a recording of head and gaze trackers (a VRPN log or CSV, also gzipped; demo, walking "
+           "and the "
+           "others of configs/tracks by name alone); or it is played to other programs."
            "\vdocs/tracks.md tells the format byte by byte, and how to record.",
 };
 
@@ -250,7 +251,7 @@ int gw_verb_replay(int argc, char **argv) {
     gw_error error = {0};
     replay_options options = {
         .error = &error, .level = GW_LOG_WARNING, .to = 1e18, .speed_limit = 5.0, .pace.speed = 1.0};
-    int helped = 0;
+    int helped = 0, interrupted = 0;
     if (gw_arguments_parse(&replay_argp, argc, argv, &options, &helped, &error) != GW_OK)
         return gw_console_fail("replay", &error);
     if (helped)
@@ -258,8 +259,7 @@ int gw_verb_replay(int argc, char **argv) {
     gw_console console;
     gw_console_init(&console, "replay", options.level, options.quiet);
     gw_recording *recording = NULL;
-    gw_code code = strcmp(options.track, "demo") == 0 ? gw_track_demo_file(&recording, &error)
-                                                      : gw_recording_load(options.track, &recording, &error);
+    gw_code code = gw_track_load(options.track, &recording, &error);
     if (code == GW_OK && recording->damage.found) {
         char damage[512];
         gw_recording_damage_text(recording, damage, sizeof damage);
@@ -273,8 +273,10 @@ int gw_verb_replay(int argc, char **argv) {
     if (options.step)
         options.pace.speed = 0.0;
     if (code == GW_OK && options.pace.serve != NULL)
-        code = gw_replay_play(recording, &options.pace, &console.log, options.quiet, &error);
+        code = gw_replay_play(recording, &options.pace, &console.log, options.quiet, &interrupted, &error);
     gw_recording_destroy(&recording);
     gw_console_finish(&console);
-    return code == GW_OK ? GW_OK : gw_console_fail("replay", &error);
+    if (code != GW_OK)
+        return gw_console_fail("replay", &error);
+    return interrupted ? 128 + interrupted : GW_OK;
 }

@@ -1,6 +1,7 @@
 #include "tracking/player.h"
 
 #include "base/memory.h"
+#include "tracking/track.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -44,6 +45,46 @@ static void find_first(gw_player *player) {
             (event->kind == GW_EVENT_POSE || event->kind == GW_EVENT_GAZE) && event->quality >= 0;
         player->is_first[i] = told && !is_known(known, &count, &player->events[i]);
     }
+}
+
+/* --- whose devices they are */
+
+/* The device of a source: NAME of NAME@HOST, vrpn:NAME@HOST and the like; else all of it. */
+static int is_device_of(const char *spec, const char *sender) {
+    const char *colon = strchr(spec, ':'), *at = strchr(spec, '@');
+    const char *name = colon && at && colon < at ? colon + 1 : spec;
+    const size_t length = at ? (size_t)(at - name) : strlen(name);
+    return !strcmp(spec, sender) || (strlen(sender) == length && !strncmp(name, sender, length));
+}
+
+/* The site's sources by the names of the recording's devices; 0 when none is of the site. */
+static int match_site(const gw_tracker_setup *site, const gw_recording *recording, int8_t *sources) {
+    int found = 0;
+    for (uint32_t sender = 0; sender < recording->sender_count; sender++) {
+        sources[sender] = -1;
+        for (uint32_t i = 0; i < site->source_count; i++)
+            if (is_device_of(site->sources[i].spec, recording->senders[sender])) {
+                sources[sender] = (int8_t)i;
+                found = 1;
+            }
+    }
+    return found;
+}
+
+gw_code gw_player_setup(const gw_recording *recording, const gw_tracker_setup *site, gw_tracker_setup *out,
+                        int8_t sources[GW_RECORDING_SENDERS], int *is_site, gw_error *error) {
+    uint32_t sender = 0;
+    *is_site = site && match_site(site, recording, sources);
+    if (*is_site) {
+        *out = *site;
+        return GW_OK;
+    }
+    gw_code code = gw_track_sender(recording, &sender, error);
+    for (uint32_t i = 0; i < recording->sender_count; i++)
+        sources[i] = !code && i == sender ? 0 : -1;
+    if (!code)
+        gw_tracker_setup_default(recording->senders[sender], out);
+    return code;
 }
 
 /* --- opening */

@@ -15,6 +15,12 @@
 
 typedef struct gw_player gw_player;
 
+/* How a recording is played: by the site's setup if names of its devices are those of the site's trackers,
+ * else by the plain convention of docs/tracks.md, as whose only source the first device that reports any
+ * viewer then stands in *out. site may be NULL. sources are for gw_player_open(). GW_BAD_INPUT when there is
+ * no viewer. */
+gw_code gw_player_setup(const gw_recording *recording, const gw_tracker_setup *site, gw_tracker_setup *out,
+                        int8_t sources[GW_RECORDING_SENDERS], int *is_site, gw_error *error);
 /* sources[i] is the source of the tracker's setup that the recording's sender i plays, or -1: nobody. The
  * recording must live as long as the player. delay: ns by which everything arrives later than recorded. */
 gw_code gw_player_open(const gw_recording *recording, const int8_t *sources, int64_t delay, gw_player **out,

@@ -93,7 +93,8 @@ static void print_counters(const gw_recording_counters *c) {
         printf("             %" PRIu64 " steps of the recording's clock\n", c->clock_steps);
 }
 
-void gw_replay_print(const gw_recording *recording, const gw_recording_statistics *statistics) {
+void gw_replay_print(const gw_recording *recording, const gw_recording_statistics *statistics,
+                     const char *suspected) {
     char damage[512];
     gw_recording_damage_text(recording, damage, sizeof damage);
     printf("track        %s (%s%s)\nduration     %.3f s from Unix second %.3f\n", recording->name,
@@ -108,6 +109,8 @@ void gw_replay_print(const gw_recording *recording, const gw_recording_statistic
     print_counters(&recording->counters);
     if (damage[0] != '\0')
         printf("damaged      %s\n", damage);
+    if (suspected[0] != '\0')
+        printf("unit         %s\n", suspected);
 }
 
 static json_t *count(uint64_t value) {
@@ -159,10 +162,12 @@ static json_t *channel_json(const gw_recording *recording, const gw_recording_ch
 }
 
 void gw_replay_report(json_t *report, const gw_recording *recording,
-                      const gw_recording_statistics *statistics) {
+                      const gw_recording_statistics *statistics, const char *suspected) {
     json_t *sensors = json_array();
     for (uint32_t i = 0; i < statistics->channel_count; i++)
         json_array_append_new(sensors, channel_json(recording, &statistics->channels[i]));
     gw_report_recording(report, recording, NULL);
-    json_object_set_new(json_object_get(report, "tracking"), "sensors", sensors);
+    json_t *tracking = json_object_get(report, "tracking");
+    json_object_set_new(tracking, "sensors", sensors);
+    json_object_set_new(tracking, "suspected_unit", suspected[0] ? text_or_null(suspected) : json_null());
 }

@@ -80,7 +80,8 @@ static void play_once(player *p) {
     }
 }
 
-/* One line of standard input: the end of it is the end. Half a line may wait for ever, so signals end that. */
+/* One line of standard input: the end of it is the end. Half a line may wait for ever, so signals end that.
+ */
 static int read_line(void) {
     char c = 0;
     ssize_t got;

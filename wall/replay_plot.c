@@ -32,6 +32,7 @@ static const double DEGREES = 57.295779513082320877;
 typedef struct drawing {
     FILE *svg;
     const gw_recording *recording;
+    gw_replay_views *views;
     double begin, end; /* s */
 } drawing;
 
@@ -269,53 +270,27 @@ static void put_tiles(const drawing *d, const wall_view *v) {
     }
 }
 
-/* Eye (mm) and direction of an event that is a gaze of this channel; heads holds each viewer's last pose. */
-static void gaze_ray(const gw_tracking_event *event, const gw_tracking_event heads[GW_TRACK_VIEWERS],
-                     double eye[3], double direction[3]) {
-    const double *origin = event->of.pose.position;
-    const double ahead[3] = {0, 0, -1};
-    if (event->kind == GW_EVENT_POSE) {
-        gw_turn_vector(event->of.pose.orientation, ahead, direction);
-    } else {
-        const gw_tracking_event *head = &heads[event->sensor];
-        memcpy(direction, event->of.gaze.direction, 3 * sizeof *direction);
-        origin = event->of.gaze.has_origin ? event->of.gaze.origin : head->of.pose.position;
-        if (event->of.gaze.frame == GW_GAZE_IN_HEAD) {
-            gw_turn_vector(head->of.pose.orientation, direction, direction);
-            origin = head->of.pose.position;
-        }
-    }
-    for (int i = 0; i < 3; i++)
-        eye[i] = 1000.0 * origin[i];
-}
-
-/* The path of one viewer's gaze; how much of it met the wall comes back. */
-static double put_gaze(const drawing *d, const wall_view *v, const gw_recording_channel *channel,
-                       const char *colour) {
-    gw_tracking_event heads[GW_TRACK_VIEWERS] = {0};
-    const gw_tracking_event *before = NULL;
+/* The path of one viewer's gaze as a run would take it, on the wall; how much of it met the wall comes back,
+ * below 0: nobody's gaze is known. */
+static double put_gaze(const drawing *d, const wall_view *v, uint32_t viewer, const char *colour) {
+    const int64_t gap = 100000000; /* ns without a gaze, over which no line is drawn */
     double last[2] = {-1e9, -1e9};
+    int64_t before = INT64_MIN;
     uint64_t met = 0, all = 0;
     char command = 'M';
-    for (int i = 0; i < GW_TRACK_VIEWERS; i++)
-        heads[i].of.pose.orientation[3] = 1.0;
     fputs("<path d=\"", d->svg);
     for (size_t i = 0; i < d->recording->count; i++) {
-        const gw_recorded_event *recorded = &d->recording->events[i];
-        const gw_tracking_event *event = &recorded->event;
-        if (recorded->sender == channel->sender && event->kind == GW_EVENT_POSE && event->sensor % 2 == 0 &&
-            event->sensor < GW_TRACK_SENSORS && event->quality >= 0.0)
-            heads[event->sensor / 2] = *event;
-        if (!is_of(channel, recorded))
+        const int64_t time = d->recording->events[i].event.arrival;
+        const gw_viewer_view view = gw_replay_viewer(d->views, viewer, time);
+        const int64_t arrival = time - view.gaze_wait;
+        if (!view.has_gaze || arrival == before)
             continue;
-        double eye[3], direction[3], framed[2], distance;
-        uint32_t tile;
-        gaze_ray(event, heads, eye, direction);
-        if (before != NULL && is_gap(channel, before, event))
+        if (all++ == 0 || arrival - before > gap)
             command = 'M';
-        before = event;
-        all++;
-        if (!gw_layout_meet(v->layout, eye, direction, &tile, framed, &distance)) {
+        before = arrival;
+        double framed[2], distance;
+        uint32_t tile;
+        if (!gw_layout_meet(v->layout, view.gaze_origin, view.gaze_direction, &tile, framed, &distance)) {
             command = 'M';
             continue;
         }
@@ -330,13 +305,7 @@ static double put_gaze(const drawing *d, const wall_view *v, const gw_recording_
     }
     fprintf(d->svg, "\" stroke=\"%s\" fill=\"none\" stroke-opacity=\"0.75\" stroke-linejoin=\"round\"/>\n",
             colour);
-    return all > 0 ? (double)met / (double)all : 0.0;
-}
-
-static int is_gaze(const gw_recording_channel *channel) {
-    return channel->kind == GW_EVENT_GAZE ? channel->sensor < GW_TRACK_VIEWERS
-                                          : channel->kind == GW_EVENT_POSE && channel->sensor % 2 == 1 &&
-                                                channel->sensor < GW_TRACK_SENSORS;
+    return all > 0 ? (double)met / (double)all : -1;
 }
 
 /* CSS pixels per framed pixel. */
@@ -344,22 +313,20 @@ static double wall_scale(const gw_layout *layout) {
     return fmin((double)(RIGHT - LEFT) / layout->framed[0], (double)WALL_HEIGHT / layout->framed[1]);
 }
 
-static void put_wall(const drawing *d, const gw_recording_statistics *statistics, const gw_site *site,
-                     double top) {
+static void put_wall(const drawing *d, const gw_site *site, double top) {
     const gw_layout *layout = &site->layout;
     const wall_view v = {.layout = layout, .left = LEFT, .top = top, .scale = wall_scale(layout)};
     gw_svg_text(d->svg, LEFT, top - 10, "font-size=\"13\" font-weight=\"bold\"", "Gazes on the wall");
     put_tiles(d, &v);
     int drawn = 0;
-    for (uint32_t i = 0; i < statistics->channel_count; i++) {
-        const gw_recording_channel *channel = &statistics->channels[i];
-        if (!is_gaze(channel))
-            continue;
+    for (uint32_t viewer = 0; viewer < d->views->setup.viewer_count; viewer++) {
         const char *colour = colours[drawn % 4];
-        const double met = put_gaze(d, &v, channel, colour), y = top + 12 + 18 * drawn++;
+        const double met = put_gaze(d, &v, viewer, colour), y = top + 12 + 18 * drawn;
         char text[96];
-        const int viewer = (int)(channel->kind == GW_EVENT_POSE ? channel->sensor / 2 : channel->sensor);
-        snprintf(text, sizeof text, "viewer %d, %.0f %%", viewer, 100.0 * met);
+        if (met < 0)
+            continue;
+        drawn++;
+        snprintf(text, sizeof text, "viewer %u, %.0f %%", (unsigned)viewer, 100.0 * met);
         fprintf(d->svg, "<path d=\"M%d %.1fh22\" stroke=\"%s\" stroke-width=\"2\"/>\n", RIGHT + 14, y - 4,
                 colour);
         gw_svg_text(d->svg, RIGHT + 42, y, "fill=\"#222\"", text);
@@ -394,13 +361,14 @@ static void put_all(const drawing *d, const gw_recording_statistics *statistics,
     for (uint32_t i = 0; i < statistics->channel_count && at < shown; i++)
         if (statistics->channels[i].kind <= GW_EVENT_GAZE)
             put_sensor(d, &statistics->channels[i], TOP + (double)PANEL * at++);
-    put_wall(d, statistics, site, wall);
+    put_wall(d, site, wall);
     fputs("</svg>\n", d->svg);
 }
 
 gw_code gw_replay_draw(const gw_recording *recording, const gw_recording_statistics *statistics,
-                       const gw_site *site, char **svg, size_t *size, gw_error *error) {
-    drawing d = {.recording = recording};
+                       gw_replay_views *views, const gw_site *site, char **svg, size_t *size,
+                       gw_error *error) {
+    drawing d = {.recording = recording, .views = views};
     *svg = NULL;
     d.begin = (double)recording->events[0].event.arrival * 1e-9;
     d.end = (double)recording->events[recording->count - 1].event.arrival * 1e-9;

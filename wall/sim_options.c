@@ -166,7 +166,11 @@ static const struct argp_option sim_options[] = {
      "started again",
      12},
     {"gate-only", KEY_GATE_ONLY, NULL, 0, "nothing is loaded or drawn: what the frame gate alone costs", 12},
-    {"tile-fault", KEY_TILE_FAULT, "KIND:TILE@FRAME", OPTION_HIDDEN, NULL, 0},
+    {"tile-fault", KEY_TILE_FAULT, "KIND:TILE@FRAME", 0,
+     "to try what a wall does: tile TILE has a fault at that frame: kill, die (again and again), stop, hang, "
+     "slow "
+     "(from then on) or context; up to 8 times (docs/gate.md)",
+     12},
     {NULL, 0, NULL, 0, "Who works:", 4},
     {"builders", KEY_BUILDERS, "N", 0,
      "1 to 64: ranks that build the octree together, each a part of its cells, or 'auto' (default): one of "

@@ -1,4 +1,4 @@
-/* Faults that tests make a tile have at a frame, so that they are the same in every run: the hidden option
+/* Faults that tests make a tile have at a frame, so that they are the same in every run: the option
  * --tile-fault KIND:TILE@FRAME, which may be given several times. */
 #ifndef GW_WALL_TILE_FAULT_H
 #define GW_WALL_TILE_FAULT_H

@@ -54,42 +54,6 @@ static gw_code open_demo(gw_tracked *tracked, const gw_tracked_options *options,
     return gw_player_open(tracked->recording, &source, delay_of(options), &tracked->player, error);
 }
 
-/* The device of a source: NAME of NAME@HOST, vrpn:NAME@HOST and the like; else all of it. */
-static int is_device_of(const char *spec, const char *sender) {
-    const char *colon = strchr(spec, ':'), *at = strchr(spec, '@');
-    const char *name = colon && at && colon < at ? colon + 1 : spec;
-    const size_t length = at ? (size_t)(at - name) : strlen(name);
-    return !strcmp(spec, sender) || (strlen(sender) == length && !strncmp(name, sender, length));
-}
-
-/* The site's sources by the names of the recording's devices; 0 when none is of the site. */
-static int match_site(const gw_tracker_setup *site, const gw_recording *recording, int8_t *sources) {
-    int found = 0;
-    for (uint32_t sender = 0; sender < recording->sender_count; sender++) {
-        sources[sender] = -1;
-        for (uint32_t i = 0; i < site->source_count; i++)
-            if (is_device_of(site->sources[i].spec, recording->senders[sender])) {
-                sources[sender] = (int8_t)i;
-                found = 1;
-            }
-    }
-    return found;
-}
-
-/* By the plain convention (docs/tracks.md): the sensors of the first device that reports any. */
-static gw_code take_plain(gw_tracked *tracked, json_t *report, int8_t *sources, gw_error *error) {
-    const gw_recording *recording = tracked->recording;
-    uint32_t sender = 0;
-    gw_code code = gw_track_sender(recording, &sender, error);
-    if (code)
-        return code;
-    for (uint32_t i = 0; i < recording->sender_count; i++)
-        sources[i] = i == sender ? 0 : -1;
-    gw_tracker_setup_default(recording->senders[sender], &tracked->setup);
-    gw_report_recording(report, recording, recording->senders[sender]);
-    return GW_OK;
-}
-
 static gw_code open_recording(gw_tracked *tracked, const gw_tracked_options *options, const char *path,
                               json_t *report, gw_error *error) {
     int8_t sources[GW_RECORDING_SENDERS];
@@ -98,13 +62,11 @@ static gw_code open_recording(gw_tracked *tracked, const gw_tracked_options *opt
     if (code)
         return code;
     tracked->duration = tracked->recording->duration;
-    if (match_site(&options->site->trackers, tracked->recording, sources)) {
-        tracked->setup = options->site->trackers;
-        tracked->is_site = 1;
-        gw_report_recording(report, tracked->recording, NULL);
-    } else {
-        code = take_plain(tracked, report, sources, error);
-    }
+    code = gw_player_setup(tracked->recording, &options->site->trackers, &tracked->setup, sources,
+                           &tracked->is_site, error);
+    if (!code)
+        gw_report_recording(report, tracked->recording,
+                            tracked->is_site ? NULL : tracked->setup.sources[0].spec);
     gw_recording_damage_text(tracked->recording, damage, sizeof damage);
     if (!code && damage[0])
         gw_log_write(options->log, GW_LOG_WARNING, "%s: %s; what is before it is used: %.3f s", path, damage,

@@ -46,7 +46,10 @@ static const struct argp_option option_table[] = {
     {"info", KEY_INFO, NULL, 0, "Print what is in the track (what it does without other wishes)", 0},
     {"csv", KEY_CSV, "FILE", 0, "Write every event as a row (docs/tracks.md lists the columns)", 0},
     {"plot", KEY_PLOT, "FILE.svg", 0, "Draw position and speed over time, and the gazes on the wall", 0},
-    {"site", KEY_SITE, "FILE", 0, "The wall that --plot draws gazes on (default: 2000 x 1125 mm)", 0},
+    {"site", KEY_SITE, "FILE", 0,
+     "The wall that --plot draws gazes on, and its trackers' units, axes and viewers (default: 2000 x 1125 "
+     "mm)",
+     0},
     {"serve", KEY_SERVE, "SPEC", 0,
      "Play it: vrpn[:PORT] to VRPN clients, from the first one on; dtrack[:ADDRESS:PORT] or "
      "gaze:ADDRESS:PORT by datagrams",
@@ -106,8 +109,6 @@ static error_t check_options(const replay_options *options) {
     else if (options->plot != NULL && !gw_path_has_extension(options->plot, ".svg"))
         gw_fail(options->error, GW_BAD_INPUT, "--plot %s: the drawing is SVG, so its name ends in .svg",
                 options->plot);
-    else if (options->site != NULL && options->plot == NULL)
-        gw_fail(options->error, GW_BAD_INPUT, "--site has no effect without --plot");
     else if (options->pace.serve == NULL &&
              (options->step || options->pace.loop || options->pace.speed != 1.0))
         gw_fail(options->error, GW_BAD_INPUT, "--speed, --loop and --step have no effect without --serve");
@@ -188,13 +189,20 @@ static gw_code choose(gw_recording *recording, const replay_options *options, gw
     return GW_OK;
 }
 
+/* What was found in a recording. */
+typedef struct findings {
+    gw_recording_statistics statistics;
+    gw_replay_views views;
+    char suspected[256]; /* its unit; "": it is not */
+} findings;
+
 static gw_code write_report(int argc, char **argv, const char *path, const gw_recording *recording,
-                            const gw_recording_statistics *statistics, gw_error *error) {
+                            const findings *found, gw_error *error) {
     json_t *report = NULL;
     gw_code code = gw_report_create(argc, argv, &report, error);
     if (code != GW_OK)
         return code;
-    gw_replay_report(report, recording, statistics);
+    gw_replay_report(report, recording, &found->statistics, found->suspected);
     code = gw_report_write(report, path, error);
     json_decref(report);
     return code;
@@ -212,38 +220,51 @@ static gw_code plain_wall(gw_site *site, gw_error *error) {
     return gw_layout_grid(&grid, &site->layout, error);
 }
 
-static gw_code draw(const gw_recording *recording, const gw_recording_statistics *statistics,
+static gw_code draw(const gw_recording *recording, findings *found, const gw_site *site,
                     const replay_options *options, gw_error *error) {
     char *svg = NULL;
     size_t size = 0;
-    gw_site *site = calloc(1, sizeof *site);
-    if (site == NULL)
-        return gw_fail(error, GW_MACHINE, "out of memory for the wall");
-    gw_code code = options->site ? gw_site_load(options->site, site, error) : plain_wall(site, error);
-    if (code == GW_OK)
-        code = gw_replay_draw(recording, statistics, site, &svg, &size, error);
+    gw_code code = gw_replay_draw(recording, &found->statistics, &found->views, site, &svg, &size, error);
     if (code == GW_OK)
         code = gw_file_write(options->plot, svg, size, error);
     free(svg);
-    free(site);
+    return code;
+}
+
+/* The wall and its trackers, and how the recording looks to them. */
+static gw_code find(const gw_recording *recording, const replay_options *options, gw_site *site,
+                    findings *found, gw_error *error) {
+    const double gaze_limit = 1000.0; /* degrees per s: no saccade is faster (Bahill et al. 1975) */
+    gw_code code = options->site ? gw_site_load(options->site, site, error) : plain_wall(site, error);
+    if (code == GW_OK)
+        code = gw_recording_measure(recording, options->speed_limit, gaze_limit, &found->statistics, error);
+    if (code == GW_OK)
+        code = gw_replay_views_open(recording, &site->trackers, &found->views, error);
+    if (code == GW_OK &&
+        !gw_replay_suspect(&found->views, recording, found->suspected, sizeof found->suspected))
+        found->suspected[0] = '\0';
     return code;
 }
 
 static gw_code show(int argc, char **argv, const gw_recording *recording, const replay_options *options,
                     gw_error *error) {
-    const double gaze_limit = 1000.0; /* degrees per s: no saccade is faster (Bahill et al. 1975) */
-    gw_recording_statistics statistics = {0};
-    gw_code code = gw_recording_measure(recording, options->speed_limit, gaze_limit, &statistics, error);
+    findings found = {.suspected = ""};
+    gw_site *site = calloc(1, sizeof *site);
+    if (site == NULL)
+        return gw_fail(error, GW_MACHINE, "out of memory for the wall");
+    gw_code code = find(recording, options, site, &found, error);
     if (code == GW_OK && options->csv != NULL)
         code = gw_recording_write(options->csv, GW_RECORDING_AS_CSV, recording, 0, INT64_MAX, 1, error);
     if (code == GW_OK && options->plot != NULL)
-        code = draw(recording, &statistics, options, error);
+        code = draw(recording, &found, site, options, error);
     if (code == GW_OK && options->report != NULL)
-        code = write_report(argc, argv, options->report, recording, &statistics, error);
+        code = write_report(argc, argv, options->report, recording, &found, error);
     const int asked = options->csv || options->report || options->plot || options->pace.serve;
     if (code == GW_OK && (options->info || !asked))
-        gw_replay_print(recording, &statistics);
-    gw_recording_statistics_finish(&statistics);
+        gw_replay_print(recording, &found.statistics, found.suspected);
+    gw_replay_views_close(&found.views);
+    gw_recording_statistics_finish(&found.statistics);
+    free(site);
     return code;
 }
 

@@ -68,6 +68,36 @@ read -r port <&"$heard"
 expect "played as DTrack frames" 0 "0 unsendable" replay demo --serve "dtrack:127.0.0.1:$port" --to 2 --speed 4
 read -r frames <&"$heard"
 is "the frames came" "$frames" 60
+# Ctrl-C is a good end of what has none.
+timeout 60 "$program" replay demo --serve "dtrack:127.0.0.1:$port" --loop --speed 20 >"$folder/loop.log" &
+sleep 0.1
+looping=$(pgrep -P $! | head -1)
+until grep -q serving "$folder/loop.log"; do sleep 0.02; done
+kill -INT "$looping"
+wait $!
+is "a loop that is interrupted" $? 130
+has "tells what it served" "$(cat "$folder/loop.log")" "served       DTrack frames to 127.0.0.1 port $port: "
+
+# Tracks of this program by name; units that cannot be; rooms of a site's trackers.
+expect "a shipped track by its name" 0 "Synthetic0 sensor 0 (head of viewer 0): 600 poses" replay walking
+expect "a misspelt one" 2 "did you mean 'walking', a track of this program?" replay walkin
+cat >"$folder/room.yaml" <<'END'
+version: 1
+eye: [0, 1600, 2000]
+grid: {columns: 1, rows: 1, centre: [0, 1500, 0], tile: {width: 1600, height: 900, pixels: [32, 18]}}
+trackers:
+  - {source: Tracker0@h, unit: mm, axes: z-up, viewers: [{head: 3, gaze: head}]}
+END
+{
+    echo arrival_s,sender,kind,sensor,x,y,z,qx,qy,qz,qw
+    for i in $(seq 0 30); do echo "0.$((10 + i)),Tracker0,pose,3,$((i * 10)),-2000,1600,0,0,0,1"; done
+} >"$folder/room.csv"
+sed 's/,pose,3,/,pose,0,/' "$folder/room.csv" >"$folder/plain.csv"
+expect "a table in millimetres" 0 "unit         31 of 31 positions are more than 50 m from the device's origin with a unit of 1000 mm (m); is it mm?" \
+    replay "$folder/plain.csv"
+expect "a site that knows its unit" 0 "" replay "$folder/room.csv" --site "$folder/room.yaml" --report "$folder/room.json" --plot "$folder/room.svg"
+is "is not suspected" "$(json "$folder/room.json" "['tracking']['suspected_unit']")" None
+has "the gaze is drawn on its wall as its trackers say" "$(cat "$folder/room.svg")" "viewer 0, 100 %"
 expect "pace without players" 2 "no effect without --serve" replay demo --loop
 expect "an unknown option" 2 "did you mean '--info'" replay demo --inof
 expect "an unknown level" 2 "--log 'loud'" replay demo --log loud

@@ -360,6 +360,48 @@ static void times_of_a_foreign_log(void **state) {
     unlink(path);
 }
 
+/* A log whose recorder was killed between two records looks whole, but for the mark of its end. */
+static void a_log_that_was_not_closed_is_told(void **state) {
+    (void)state;
+    char path[512], text[320];
+    const size_t mark = 24; /* bytes of the last record */
+    for (int marked = 0; marked < 2; marked++) {
+        gw_recording_writer *writer;
+        gw_recording *recording;
+        uint32_t number;
+        gw_bytes bytes;
+        check_ok(gw_recording_writer_open(scratch_path(path, "killed.vrpn"), GW_RECORDING_BY_NAME,
+                                          (int64_t)1000500000 * 1000000, 1, &writer, &error));
+        check_ok(gw_recording_writer_sender(writer, "T", &number, &error));
+        if (marked)
+            check_ok(gw_recording_writer_mark_end(writer, &error));
+        for (int i = 0; i < 9; i++) {
+            const gw_tracking_event pose = {.kind = GW_EVENT_POSE,
+                                            .arrival = i * (int64_t)1000000,
+                                            .device_time = GW_NO_TIME,
+                                            .quality = 1,
+                                            .of.pose.orientation = {0, 0, 0, 1}};
+            check_ok(gw_recording_writer_event(writer, number, &pose, &error));
+        }
+        check_ok(gw_recording_writer_close(&writer, &error));
+        check_ok(gw_file_read(path, 10000, &bytes, &error));
+        check_ok(gw_recording_parse(bytes.data, bytes.size, "whole", &recording, &error));
+        assert_false(recording->damage.found);
+        assert_int_equal(recording->count, 9);
+        gw_recording_destroy(&recording);
+        const size_t pose = 24 + 64 + 24 + 32; /* and its stamp */
+        check_ok(gw_recording_parse(bytes.data, bytes.size - (marked ? mark : pose), "killed", &recording,
+                                    &error));
+        gw_recording_damage_text(recording, text, sizeof text);
+        assert_int_equal(recording->count, marked ? 9 : 8);
+        assert_int_equal(recording->damage.found, marked);
+        assert_true(!marked || strstr(text, "the mark of its end was expected"));
+        gw_recording_destroy(&recording);
+        gw_bytes_finish(&bytes);
+        unlink(path);
+    }
+}
+
 static void our_own_records_byte_by_byte(void **state) {
     (void)state;
     char path[512];
@@ -491,6 +533,7 @@ int main(void) {
         cmocka_unit_test(what_was_flushed_can_be_read),
         cmocka_unit_test(files_are_not_overwritten_unasked),
         cmocka_unit_test(times_of_a_foreign_log),
+        cmocka_unit_test(a_log_that_was_not_closed_is_told),
         cmocka_unit_test(our_own_records_byte_by_byte),
         cmocka_unit_test(bombs_are_bounded),
         cmocka_unit_test(csv_errors_name_the_line),

@@ -111,6 +111,10 @@
            "nearer to a point light than this many heights of its voxels, what shows as a voxel has its shadow's ray start beyond them") \
     GW_ROW(mirror_roughness, REAL, 0.02, 0.0, 0.25, "", FRAME, "", "rough metal shown as a mirror against rays", "0",      \
            "metal (metalness 1) of at most this roughness is a perfect mirror, whose reflections are traced")            \
+    GW_ROW(bounces, INTEGER, 4, 0, 8, "", FRAME, "", "mirrors in mirrors and what stands behind glass against rays", "8",   \
+           "secondary rays one behind the other; what lies beyond the last shows the light from everywhere")            \
+    GW_ROW(least_throughput, REAL, 0.015625, 0.0, 1.0, "", FRAME, "", "faint reflections against rays", "0",               \
+           "a secondary ray is traced where 1 + tau times this share of a pixel may depend on it")                       \
     GW_ROW(head_filter, CHOICE, 0, 0, 2, "none|one-euro|kalman", TRACK, "", "shaking heads against late ones", "none",        \
            "how the eyes' places are smoothed; one-euro and kalman also steady the heads' turns")                        \
     GW_ROW(head_cutoff, REAL, 2.0, 0.05, 1000.0, "", TRACK, "Hz", "shaking heads against late ones", "1000",              \

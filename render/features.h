@@ -30,7 +30,7 @@ typedef uint64_t gw_features;
 #define GW_FEATURE_DENSE_LEAVES GW_FEATURE_BIT(11) /* lists under boxes */
 #define GW_FEATURE_ACCUMULATE GW_FEATURE_BIT(12)   /* samples of a still view add up */
 #define GW_FEATURE_SHADOWS GW_FEATURE_BIT(13)      /* what stands before a light keeps it away */
-#define GW_FEATURE_MIRROR GW_FEATURE_BIT(14)       /* perfect mirrors reflect, once */
+#define GW_FEATURE_MIRROR GW_FEATURE_BIT(14)       /* perfect mirrors reflect */
 #define GW_FEATURE_NORMAL_MAPS GW_FEATURE_BIT(15)
 #define GW_FEATURE_MATERIAL_MAPS GW_FEATURE_BIT(16) /* metalness, roughness and occlusion */
 #define GW_FEATURE_EMISSIVE_MAPS GW_FEATURE_BIT(17)

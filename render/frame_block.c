@@ -90,7 +90,7 @@ static gw_code check(const gw_plane *plane, const gw_frame_state *state, gw_erro
         state->gaze_growth,   state->gaze_latency,   state->gaze_growth_limit, state->acuity_slope,
         state->voxel_slab,    state->voxel_flatness, state->fold_agreement,    state->least_remainder,
         state->separated_tau, state->gaze_footprint, state->edge_depth,        state->edge_normal,
-        state->shadow_tau,    state->seed_distance,  state->mirror_roughness};
+        state->shadow_tau,    state->seed_distance,  state->mirror_roughness,  state->least_throughput};
     for (size_t i = 0; i < sizeof knobs / sizeof knobs[0]; ++i)
         if (!isfinite(knobs[i]) || knobs[i] < 0.0f)
             return gw_fail(error, GW_BAD_INPUT,
@@ -213,6 +213,7 @@ gw_code gw_frame_block_fill(const gw_scene *scene, const gw_octree *octree, cons
     block->secondary[0] = state->shadow_tau;
     block->secondary[1] = state->mirror_roughness;
     block->secondary[2] = state->near_light;
+    block->secondary[3] = state->least_throughput;
     block->acuity[1] = (float)smallest_period;
     gw_frame_block_set_sample(state, 0, block);
     uint32_t gazes = state->gaze_count < GW_MAXIMUM_VIEWERS ? state->gaze_count : GW_MAXIMUM_VIEWERS;

@@ -21,6 +21,8 @@ void gw_frame_state_apply(gw_frame_state *state, const gw_settings *settings) {
     state->shadow_tau = (float)settings->shadow_tau;
     state->seed_distance = (float)settings->seed_distance;
     state->mirror_roughness = (float)settings->mirror_roughness;
+    state->least_throughput = (float)settings->least_throughput;
+    state->bounces = (uint8_t)settings->bounces;
     state->near_light = (uint8_t)settings->near_light;
     state->gaze_rule = (uint8_t)settings->gaze_rule;
     state->edge_depth = (float)settings->edge_depth;

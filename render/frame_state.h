@@ -32,7 +32,8 @@ typedef struct gw_frame_state {
     /* Knobs of the FRAME stage, as floats (settings.h says what they mean). */
     float tau, tau_inside, gaze_margin, gaze_blend, gaze_growth, gaze_latency, gaze_growth_limit,
         acuity_slope, voxel_slab, voxel_flatness, fold_agreement, least_remainder, separated_tau,
-        gaze_footprint, shadow_tau, edge_depth, edge_normal, seed_distance, mirror_roughness;
+        gaze_footprint, shadow_tau, edge_depth, edge_normal, seed_distance, mirror_roughness,
+        least_throughput;
     uint8_t geometry, level_blend, leaf_blend, texture_filter, triangle_precision;
     uint8_t debug;        /* gw_debug_view */
     uint8_t sample_block; /* log2 of the side of the largest sample block, 0..4 */
@@ -40,13 +41,14 @@ typedef struct gw_frame_state {
     uint8_t coarse_samples; /* log2 of the rays of a coarse square, 0..3 */
     uint8_t samples;        /* log2 of the rays of a sharp pixel, 0..4 */
     uint32_t seed;
+    uint32_t reserved; /* 0 */
     /* Accumulation of a still view: pixels are the mean, in linear light, of samples 0 to accumulate - 1 (0
      * counts as 1). epoch numbers the still views from 1; 0: no further sample of this view will be asked
      * for, so nothing is kept for one. */
     uint32_t epoch;
     uint16_t accumulate;
     uint8_t near_light; /* a knob as above */
-    uint8_t reserved;   /* 0 */
+    uint8_t bounces;    /* 0..8 */
     /* How far tau, gaze_margin, acuity_slope and sample_block are strained to be faster: 1, as they stand, to
      * GW_MAXIMUM_STRAIN. See gw_frame_state_in_force(). */
     float strain;

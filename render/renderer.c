@@ -96,7 +96,7 @@ void gw_renderer_destroy(gw_renderer **renderer) {
     gw_renderer *r = *renderer;
     gw_ray_buffers_finish(&r->rays);
     gw_shadow_buffers_finish(&r->shadows);
-    for (size_t i = 0; i < GW_MOST_BOUNCES; ++i)
+    for (size_t i = 0; i <= GW_MOST_BOUNCES; ++i)
         gw_secondary_buffers_finish(&r->secondary[i]);
     gw_scene_buffers_finish(&r->buffers);
     gw_moving_destroy(&r->moving);
@@ -304,7 +304,7 @@ gw_code gw_renderer_report(const gw_renderer *renderer, json_t *report, gw_error
 gw_renderer_parts gw_renderer_parts_of(const gw_renderer *renderer) {
     const gw_scene_buffers *scene = &renderer->buffers;
     uint64_t secondary = 0;
-    for (size_t i = 0; i < GW_MOST_BOUNCES; ++i)
+    for (size_t i = 0; i <= GW_MOST_BOUNCES; ++i)
         secondary += gw_secondary_buffers_bytes(&renderer->secondary[i]);
     return (gw_renderer_parts){
         .nodes = scene->nodes.size,

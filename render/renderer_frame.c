@@ -21,6 +21,8 @@ static gw_kernel_key key_of(const gw_renderer *renderer, const gw_frame_state *s
     gw_features features = (renderer->scene_features | renderer->forced_features |
                             gw_features_of_frame(state, viewers, renderer->scene_features)) &
                            ~renderer->forbidden_features;
+    if (state->bounces == 0)
+        features &= ~GW_SECONDARY_FEATURES;
     int lod = (features & GW_FEATURE_LOD) != 0;
     return (gw_kernel_key){
         .features = features,
@@ -203,6 +205,7 @@ static gw_code begin_frame(gw_frame_job *job, const gw_similarity *placement, co
     job->block.window[2] = rectangle->x + (int32_t)rectangle->width;
     job->block.window[3] = rectangle->y + (int32_t)rectangle->height;
     job->key = key_of(renderer, state, job->block.counts[0]);
+    job->bounces = state->bounces < GW_MOST_BOUNCES ? state->bounces : GW_MOST_BOUNCES;
     return GW_OK;
 }
 
@@ -245,7 +248,6 @@ gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement,
     gw_frame_job job = {.renderer = renderer,
                         .rays = &renderer->rays,
                         .shadows = &renderer->shadows,
-                        .bounces = 1,
                         .rectangle = rectangle,
                         .state = state,
                         .end_sample = samples_of(state),

@@ -124,7 +124,7 @@ struct gw_renderer {
     gw_scene_buffers buffers;
     gw_ray_buffers rays;
     gw_shadow_buffers shadows;
-    gw_secondary_buffers secondary[GW_MOST_BOUNCES];
+    gw_secondary_buffers secondary[GW_MOST_BOUNCES + 1]; /* what rays of each bounce ask for */
     gw_gl_buffer totals, frame;
     gw_gl_buffer given_rays, found_hits; /* of gw_renderer_trace */
     gw_sample_buffers samples;

@@ -58,8 +58,9 @@ static gw_code list_requests(gw_frame_job *job, gw_secondary_buffers *to, size_t
     if (resume)
         glProgramUniform1ui(program, 0, (GLuint)slots);
     code = gw_frame_dispatch(job, program, slots, error);
-    if (!code)
-        code = gw_renderer_read_totals(renderer, totals, error);
+    if (code || job->bounce == job->bounces)
+        return code; /* rays of the last bounce carry that they ask for none */
+    code = gw_renderer_read_totals(renderer, totals, error);
     if (!code) {
         job->counters.step_cap_hits += totals[0];
         *count = totals[3];
@@ -82,7 +83,7 @@ static gw_code make_rays(const gw_frame_job *job, gw_secondary_buffers *to, uint
     gw_frame_bind_rays(job);
     gw_gl_buffer_bind(&to->requests, GW_BINDING_REQUESTS);
     gw_gl_buffer_bind(&to->rays, GW_BINDING_NEXT_RAYS);
-    glProgramUniform2ui(program, 0, begin, count);
+    glProgramUniform3ui(program, 0, begin, count, job->bounce + 1 < job->bounces);
     return gw_gl_dispatch(renderer->device, program, whole_groups(count) / GW_BLOCK_PIXELS, error);
 }
 
@@ -104,8 +105,6 @@ static gw_code trace_rays(gw_frame_job *job, gw_secondary_buffers *to, uint32_t 
     next.key.guides = 0;
     next.key.debug = GW_DEBUG_NONE;
     next.key.features &= ~(GW_FEATURE_SPARSE | GW_FEATURE_GAZE | GW_FEATURE_ACCUMULATE);
-    if (next.bounce >= job->bounces)
-        next.key.features &= ~GW_SECONDARY_FEATURES;
     gw_code code = gw_ray_buffers_reserve(renderer, next.rays, slots, gw_kernel_fragments(&next.key),
                                           next.key.count, error);
     if (code)
@@ -147,5 +146,5 @@ gw_code gw_frame_secondary(gw_frame_job *job, size_t slots, int resume, gw_error
     gw_frame_bind_rays(job);
     gw_gl_buffer_bind(&to->asked, GW_BINDING_ASKED);
     gw_gl_buffer_bind(&to->radiance, GW_BINDING_RADIANCE);
-    return code ? code : gw_renderer_clear_totals(renderer, error);
+    return code || job->bounce == job->bounces ? code : gw_renderer_clear_totals(renderer, error);
 }

@@ -39,6 +39,7 @@ static const float_field float_fields[] = {
     {"shadow_tau", offsetof(gw_frame_state, shadow_tau), 0, 16},
     {"seed_distance", offsetof(gw_frame_state, seed_distance), 1, 1000000},
     {"mirror_roughness", offsetof(gw_frame_state, mirror_roughness), 0, 0.25},
+    {"least_throughput", offsetof(gw_frame_state, least_throughput), 0, 1},
     {"scene_scale", offsetof(gw_frame_state, scene_scale), 0, 1e12},
     {"edge_depth", offsetof(gw_frame_state, edge_depth), 0.01, 1},
     {"edge_normal", offsetof(gw_frame_state, edge_normal), 1, 180},
@@ -64,6 +65,7 @@ static const byte_field byte_fields[] = {
     {"triangle_precision", offsetof(gw_frame_state, triangle_precision), GW_PRECISION_DOUBLE},
     {"debug", offsetof(gw_frame_state, debug), GW_DEBUG_VIEWS - 1},
     {"near_light", offsetof(gw_frame_state, near_light), UINT8_MAX},
+    {"bounces", offsetof(gw_frame_state, bounces), 8},
 };
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))

@@ -32,7 +32,7 @@ GW_VEC4(accuracy);   // tau, tau_inside, gaze_blend deg, gaze_margin deg
 GW_VEC4(acuity);     // slope, smallest period deg, voxel_slab, voxel_flatness
 GW_VEC4(background); // linear radiance; w: least_remainder
 GW_VEC4(ambient);    // linear irradiance; w: fold_agreement
-GW_VEC4(secondary);  // shadow_tau, mirror_roughness, near_light
+GW_VEC4(secondary);  // shadow_tau, mirror_roughness, near_light, least_throughput
 GW_IVEC4(window);    // rectangle: x and y of its first pixel, x and y past its last
 GW_IVEC4(chunk);     // first block's x and y (pixels, multiples of 8), blocks per row, number of blocks
 GW_IVEC4(list);      // grid of blocks that samples are listed for, chunk and rim: as chunk, x and y multiples of 16
@@ -144,7 +144,8 @@ GW_STRUCT_END(gw_gpu_light)
 #define GW_KEPT_WORDS 3u
 
 // A secondary ray, rows of 16 bytes: origin and footprint there; unit direction and growth of the footprint per unit; tau, below
-// 0 for padding, the distance up to which only triangles count, and two that are 0.
+// 0 for padding, the distance up to which only triangles count, the largest share of a pixel that depends on it, 0 if it may not ask
+// for more, and 0.
 #define GW_SECONDARY_ROWS 3u
 // Which rays a fragment asks for: the number of the first in bits 0-27, a bit of GW_RAY_ for each kind in bits 28-31; its rays
 // are numbered kind by kind. What they bring stands by number: radiance, and what of the ray met nothing.

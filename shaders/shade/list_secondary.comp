@@ -1,6 +1,6 @@
 // Which secondary rays the fragments of a dispatch ask for. The rays are numbered; a fragment's word finds what they bring.
 //
-// variants: OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1; OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 LOD=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1; OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 LOD=1 GAZE=1 SPARSE=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 REFLECTED=1 LOD=1 RESUME=1 FRAGMENTS=8u
 #ifndef OCTREE_DEPTH
 #define OCTREE_DEPTH 11
@@ -21,6 +21,7 @@ layout(location = 0) uniform uint queue_length;
 layout(std430, binding = 19) writeonly buffer Asked { uint asked_of[]; };
 layout(std430, binding = 20) writeonly buffer Requests { uint requests[]; };
 #include "trace/fetch.glsl"
+#include "trace/pixel.glsl"
 #include "shade/surface.glsl"
 #include "shade/secondary_kinds.glsl"
 
@@ -36,10 +37,13 @@ void main() {
     uvec2 status = statuses[slot];
     if (!present || (status.x & GW_STATUS_OUTSIDE) != 0u)
         return;
+    Pixel_square square;
+    Pixel_ray ray = ray_of_slot(slot, square);
     uint count = GW_STATUS_COUNT(status.x);
     for (uint i = 0u; i < count; ++i) {
-        uint fragment = slot * FRAGMENTS + i;
-        uint kinds = kinds_asked(fragments[fragment * GW_FRAGMENT_WORDS]), rays = rays_of(kinds), first = 0u;
+        uint fragment = slot * FRAGMENTS + i, word = fragment * GW_FRAGMENT_WORDS;
+        uint kinds = kinds_asked(ray, fragments[word], uintBitsToFloat(fragments[word + 2u]));
+        uint rays = rays_of(kinds), first = 0u;
         if (rays > 0u)
             first = atomicAdd(totals[3], rays);
         for (uint which = 0u; which < rays; ++which)

@@ -2,6 +2,15 @@
 // mirror, wider by what the mirror's curvature spreads the rays of one footprint: twice the angle by which its normals turn over it
 // (Igehy, Tracing Ray Differentials, 1999). Like a shadow's ray it starts with triangles only (shade/shadow_ray.glsl), or above the
 // voxel that it leaves. Needs shade/secondary_ray.glsl before it.
+// Of a mirror as it is seen, the largest of its colours.
+float reflectance_of(Met met) {
+    float grazing = 1.0 - clamp(-dot(met.normal, met.direction), 0.0, 1.0);
+    precise float grazing2 = grazing * grazing;
+    float brightest = max(met.color.r, max(met.color.g, met.color.b));
+    precise float reflectance = brightest + (1.0 - brightest) * (grazing2 * grazing2 * grazing);
+    return reflectance;
+}
+
 Secondary_ray reflected_ray(Met met) {
     precise vec3 reflected = met.direction - met.normal * (2.0 * dot(met.direction, met.normal));
     precise vec3 flat_one = met.direction - met.start.normal * (2.0 * dot(met.direction, met.start.normal));
@@ -11,5 +20,5 @@ Secondary_ray reflected_ray(Met met) {
     float accepted = met.ray.tau * met.width;
     Secondary_origin from = secondary_origin(met.start, accepted, dot(reflected, met.start.normal),
                                              out_of_reach(met.start, accepted, reflected));
-    return Secondary_ray(from.origin, reflected, met.width, growth, met.ray.tau, from.clear);
+    return Secondary_ray(from.origin, reflected, met.width, growth, met.ray.tau, from.clear, mirror_share(met.id) * reflectance_of(met));
 }

@@ -5,13 +5,29 @@
 //  4. in shade/secondary_rays.comp: origin, direction, footprint and spread of each, tau, what of it meets triangles only;
 //  5. in shade/secondary_light.glsl: how the fragment's light takes what they bring, radiance and what of a ray met nothing.
 // Numbers of rays depend on atomics, what they bring does not: nothing else may be made of a number. Needs shade/surface.glsl
-// before it.
+// and trace/pixel.glsl before it.
 #include "shade/mirror_share.glsl"
 
-uint kinds_asked(uint id) {
+// What share of a pixel depends on a fragment of that weight, at most.
+float throughput_of(Pixel_ray ray, float weight) {
+#ifdef REFLECTED
+    precise float throughput = ray.throughput * weight;
+    return throughput;
+#else
+    return weight;
+#endif
+}
+
+// Whether a secondary ray is worth its cost that the share `part` of a pixel depends on.
+bool worth_asking(Pixel_ray ray, float part) {
+    precise float least = frame.secondary.w * (1.0 + ray.tau);
+    return part > 0.0 && part >= least;
+}
+
+uint kinds_asked(Pixel_ray ray, uint id, float weight) {
     uint kinds = 0u;
 #ifdef MIRROR
-    kinds |= mirror_share(id) > 0.0 ? GW_RAY_REFLECTED : 0u;
+    kinds |= worth_asking(ray, throughput_of(ray, weight) * mirror_share(id)) ? GW_RAY_REFLECTED : 0u;
 #endif
     return kinds;
 }

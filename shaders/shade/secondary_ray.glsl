@@ -11,6 +11,7 @@ struct Met {
     float growth;   // of its footprint per unit of length
     Secondary_start start;
     vec3 normal; // shading normal, unit, on the ray's side
+    vec3 color;  // base colour, as far as the kernel reads it
 };
 
 struct Secondary_ray {
@@ -18,6 +19,7 @@ struct Secondary_ray {
     float width, growth;    // of its footprint, at the origin and per unit of length
     float tau;
     float clear; // length up to which only triangles count
+    float part;  // of the fragment's light that it brings, at most
 };
 
 Met met_by(Pixel_ray ray, uint id, float t) {
@@ -34,7 +36,9 @@ Met met_by(Pixel_ray ray, uint id, float t) {
 #else
     met.voxel = false;
 #endif
-    met.normal = met.voxel ? met.start.normal : surface_of_triangle(id, t, ray.origin, ray.direction, met.width).normal;
+    Surface surface = surface_of_triangle(met.voxel ? 0u : id, t, ray.origin, ray.direction, met.width);
+    met.normal = met.voxel ? met.start.normal : surface.normal;
+    met.color = met.voxel ? vec3(1.0) : surface.base_color;
     return met;
 }
 

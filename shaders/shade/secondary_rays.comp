@@ -14,10 +14,11 @@ uniform uint group_base;
 layout(std430, binding = 0) readonly buffer Fragments { uint fragments[]; };
 layout(std430, binding = 20) readonly buffer Requests { uint requests[]; };
 layout(std430, binding = 26) writeonly buffer Next_rays { vec4 next_rays[]; };
-layout(location = 0) uniform uvec2 batch; // first request, number of them
+layout(location = 0) uniform uvec3 batch; // first request, number of them, 1 if what they meet may ask for more
 #include "trace/fetch.glsl"
 #include "trace/pixel.glsl"
 #include "shade/surface.glsl"
+#include "shade/secondary_kinds.glsl"
 #include "shade/secondary_ray.glsl"
 #include "shade/reflected_ray.glsl"
 
@@ -28,9 +29,11 @@ void main() {
     Pixel_square square;
     Pixel_ray ray = ray_of_slot(fragment / FRAGMENTS, square);
     Met met = met_by(ray, fragments[word], uintBitsToFloat(fragments[word + 1u]));
+    float part = throughput_of(ray, uintBitsToFloat(fragments[word + 2u]));
     Secondary_ray next = reflected_ray(met);
+    precise float throughput = part * next.part;
     uint row = at * GW_SECONDARY_ROWS;
     next_rays[row] = vec4(next.origin, next.width);
     next_rays[row + 1u] = vec4(next.direction, next.growth);
-    next_rays[row + 2u] = vec4(present ? next.tau : -1.0, next.clear, 0.0, 0.0);
+    next_rays[row + 2u] = vec4(present ? next.tau : -1.0, next.clear, batch.z != 0u ? throughput : 0.0, 0.0);
 }

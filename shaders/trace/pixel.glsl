@@ -27,6 +27,7 @@ struct Pixel_ray {
 #ifdef REFLECTED
     float start; // footprint at t = 0
     float clear; // t up to which only triangles count
+    float throughput; // largest share of a pixel that depends on it, 0: what it meets asks for no more rays
 #endif
 };
 
@@ -96,7 +97,7 @@ Pixel_ray ray_of_slot(uint slot, out Pixel_square square) {
     uint row = slot * GW_SECONDARY_ROWS;
     vec4 start = given_rays[row], aim = given_rays[row + 1u], knobs = given_rays[row + 2u];
     square = square_of_slot(slot);
-    return Pixel_ray(start.xyz, aim.xyz, aim.w, knobs.x, start.w, knobs.y);
+    return Pixel_ray(start.xyz, aim.xyz, aim.w, knobs.x, start.w, knobs.y, knobs.z);
 }
 #else
 Pixel_ray ray_of_square(Pixel_square square) {

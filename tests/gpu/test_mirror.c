@@ -321,36 +321,89 @@ static void however_it_is_drawn_pixels_are_the_same(void **state) {
     gw_stage_close(&stage);
 }
 
-/* Two mirrors that face each other: one bounce, then the light from everywhere. No pixel is brighter than
- * what shines. */
-static void a_corridor_of_mirrors_ends(void **state) {
-    (void)state;
+enum { CORRIDOR = 32 };
+
+/* Two mirrors that face each other, x = -0.5 and 0.5, from -1 to 1; nothing shines but what is behind their
+ * ends. */
+static gw_scene *corridor(float color) {
     gw_mesh mesh = {0};
-    gw_mesh_add_grid(&mesh, (const double[]){-0.5, -1, -1}, (const double[]){0, 2, 0},
-                     (const double[]){0, 0, 2}, 8, 8);
-    gw_mesh_add_grid(&mesh, (const double[]){0.5, -1, -1}, (const double[]){0, 2, 0},
-                     (const double[]){0, 0, 2}, 8, 8);
+    for (int side = -1; side <= 1; side += 2)
+        gw_mesh_add_grid(&mesh, (const double[]){0.5 * side, -1, -1}, (const double[]){0, 2, 0},
+                         (const double[]){0, 0, 2}, 8, 8);
     gw_scene *scene = gw_mesh_take(&mesh);
-    scene->materials[0] = (gw_material){.base_color = {1, 1, 1, 1}, .metalness = 1, .base_color_texture = -1};
+    scene->materials[0] =
+        (gw_material){.base_color = {color, color, color, 1}, .metalness = 1, .base_color_texture = -1};
     for (int i = 0; i < 3; ++i) {
-        scene->ambient[i] = 1.0f;
-        scene->background[i] = 0.25f;
+        scene->ambient[i] = 0;
+        scene->background[i] = 0.75f;
     }
+    return scene;
+}
+
+/* What a ray of the corridor brings after so many bounces at most, -1 where it ends too near to an edge to
+ * tell. */
+static double radiance_in_corridor(const double eye[3], const double direction[3], double color,
+                                   int bounces) {
+    double leaves = 1e30;
+    for (int k = 1; k < 3; ++k)
+        if (direction[k] != 0)
+            leaves = fmin(leaves, ((direction[k] > 0 ? 1 : -1) - eye[k]) / direction[k]);
+    const double walls = (eye[0] * (direction[0] > 0 ? 1 : -1) + leaves * fabs(direction[0])) + 0.5;
+    if (fabs(walls - floor(walls + 0.5)) < 0.01)
+        return -1;
+    const int met = (int)floor(walls);
+    const double schlick = color + (1 - color) * pow(1 - fabs(direction[0]), 5);
+    return met > bounces ? 0 : 0.75 * pow(schlick, met);
+}
+
+static void a_corridor_of_mirrors_ends(void **state) {
+    static const int bounces[] = {0, 1, 4, 8};
+    static const double eye[3] = {0.2, 0.1, 0.6};
+    const double color = 0.8;
+    (void)state;
     gw_stage stage;
     gw_camera camera;
-    check_ok(gw_stage_open(&stage, scene, NULL, (const char *const[]){"octree_depth=6", NULL}, &error));
-    gw_camera_look(&camera, &stage, (const double[]){0.2, 0.1, 0.6}, (const double[]){-0.5, 0, -0.2}, 60,
-                   SIDE);
-    for (int t = 0; t < 3; ++t) {
+    uint64_t rays[4] = {0};
+    check_ok(gw_stage_open(&stage, corridor((float)color), NULL,
+                           (const char *const[]){"octree_depth=6", NULL}, &error));
+    gw_camera_look(&camera, &stage, eye, (const double[]){-0.5, 0.1, 0.55}, 40, CORRIDOR);
+    gw_renderer *renderer = renderer_of(&stage, NULL);
+    for (size_t b = 0; b < 4; ++b) {
         gw_counters counters = {0};
-        camera.state.tau_inside = (float)t;
-        uint8_t *rgba = take(&stage, &camera, NULL, &counters);
-        for (size_t i = 0; i < PIXELS; ++i)
-            assert_true(rgba[i * 4] <= 156); /* 1 / pi; 0.25 is 137 */
-        assert_true(counters.mirror_rays > PIXELS / 2);
+        camera.state.bounces = (uint8_t)bounces[b];
+        camera.state.least_throughput = 0;
+        uint8_t *rgba = gw_camera_take(&camera, renderer, &counters);
+        size_t wrong = 0;
+        for (uint32_t i = 0; i < CORRIDOR * CORRIDOR; ++i) {
+            double direction[3];
+            gw_camera_ray(&camera, i % CORRIDOR, i / CORRIDOR, direction);
+            const double wanted = radiance_in_corridor(eye, direction, color, bounces[b]);
+            wrong += wanted >= 0 && fabs(gw_srgb_code_to_linear(rgba[i * 4]) - wanted) > 0.005;
+        }
+        assert_int_equal(wrong, 0);
         assert_int_equal(counters.nan_pixels + counters.step_cap_hits, 0);
+        rays[b] = counters.mirror_rays;
         free(rgba);
     }
+    print_message("# a corridor, rays for 0, 1, 4 and 8 bounces: %u, %u, %u, %u\n", (unsigned)rays[0],
+                  (unsigned)rays[1], (unsigned)rays[2], (unsigned)rays[3]);
+    assert_true(rays[0] == 0 && rays[1] < rays[2] && rays[2] < rays[3]);
+    /* What hardly counts is cut: after two mirrors of 0.8 less than 0.7 depends on a ray. */
+    gw_counters cut = {0};
+    camera.state.least_throughput = 0.7f;
+    free(gw_camera_take(&camera, renderer, &cut));
+    assert_true(cut.mirror_rays < rays[2] && cut.mirror_rays > rays[1]);
+    /* Voxels, suspended rays: no pixel is brighter than what shines, and budgets change nothing. */
+    camera.state.tau_inside = 1;
+    uint8_t *whole = gw_camera_take(&camera, renderer, NULL);
+    const gw_renderer_options short_of = {.loop_budget = 32};
+    uint8_t *suspended = take(&stage, &camera, &short_of, NULL);
+    assert_memory_equal(whole, suspended, CORRIDOR * CORRIDOR * 4);
+    for (size_t i = 0; i < CORRIDOR * CORRIDOR; ++i)
+        assert_true(whole[i * 4] <= 225); /* 0.75 */
+    free(whole);
+    free(suspended);
+    gw_renderer_destroy(&renderer);
     gw_stage_close(&stage);
 }
 

@@ -73,6 +73,13 @@ void gw_camera_look(gw_camera *camera, const gw_stage *stage, const double eye[3
     gw_frame_state_apply(&camera->state, &stage->settings);
 }
 
+void gw_camera_ray(const gw_camera *camera, uint32_t x, uint32_t y, double direction[3]) {
+    for (int i = 0; i < 3; ++i)
+        direction[i] = camera->plane.corner[i] + (x + 0.5) * camera->plane.step_x[i] +
+                       (y + 0.5) * camera->plane.step_y[i] - camera->state.eye[i];
+    normalise(direction);
+}
+
 void gw_camera_gaze(gw_camera *camera, double pixel_x, double pixel_y, double half_degrees) {
     gw_gaze *gaze = &camera->state.gazes[0];
     double direction[3];

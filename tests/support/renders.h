@@ -32,6 +32,8 @@ typedef struct gw_camera {
 } gw_camera;
 void gw_camera_look(gw_camera *camera, const gw_stage *stage, const double eye[3], const double target[3],
                     double fov_degrees, uint32_t side);
+/* From the eye through the middle of a pixel, unit. */
+void gw_camera_ray(const gw_camera *camera, uint32_t x, uint32_t y, double direction[3]);
 /* Gives the camera's first viewer a gaze at the pixel, with these half-angles. */
 void gw_camera_gaze(gw_camera *camera, double pixel_x, double pixel_y, double half_degrees);
 

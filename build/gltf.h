@@ -28,9 +28,10 @@ void gw_gltf_close(gw_gltf *gltf);
  * an optional one becomes a note of the model (NULL: only check). */
 gw_code gw_gltf_check_extensions(const gw_gltf *gltf, gw_source_model *model, gw_error *error);
 
-/* Adds what assimp drops: emissive strength, material names, texture transforms; notes what is not carried.
- * Materials are matched by gw_material_source.file_index. */
-gw_code gw_gltf_apply(const gw_gltf *gltf, gw_source_model *model, gw_error *error);
+/* Adds what assimp drops: emissive strength, material names, extensions, pictures and their texture
+ * transforms; notes what is not carried. Materials are matched by gw_material_source.file_index. folder:
+ * where buffer files are (NULL: not looked for). */
+gw_code gw_gltf_apply(const gw_gltf *gltf, const char *folder, gw_source_model *model, gw_error *error);
 
 /* Triangles that the file's meshes promise, each mesh once: assimp drops those with bad indices. */
 uint64_t gw_gltf_promised_triangles(const gw_gltf *gltf);

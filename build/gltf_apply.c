@@ -2,7 +2,7 @@
 #include "build/gltf.h"
 
 #include "base/memory.h"
-#include "base/portable_math.h"
+#include "build/gltf_material.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -22,16 +22,16 @@ static const struct {
     {"KHR_materials_pbrSpecularGlossiness", CARRIED},
     {"KHR_texture_transform", CARRIED},
     {"KHR_materials_anisotropy", LOOKS},
-    {"KHR_materials_clearcoat", LOOKS},
+    {"KHR_materials_clearcoat", CARRIED},
     {"KHR_materials_dispersion", LOOKS},
-    {"KHR_materials_ior", LOOKS},
+    {"KHR_materials_ior", CARRIED},
     {"KHR_materials_iridescence", LOOKS},
-    {"KHR_materials_sheen", LOOKS},
-    {"KHR_materials_specular", LOOKS},
-    {"KHR_materials_transmission", LOOKS},
-    {"KHR_materials_unlit", LOOKS},
+    {"KHR_materials_sheen", CARRIED},
+    {"KHR_materials_specular", CARRIED},
+    {"KHR_materials_transmission", CARRIED},
+    {"KHR_materials_unlit", CARRIED},
     {"KHR_materials_variants", LOOKS},
-    {"KHR_materials_volume", LOOKS},
+    {"KHR_materials_volume", CARRIED},
     {"KHR_xmp", LOOKS},
     {"KHR_xmp_json_ld", LOOKS},
     {"EXT_mesh_gpu_instancing", STRUCTURE},
@@ -91,37 +91,15 @@ gw_code gw_gltf_check_extensions(const gw_gltf *gltf, gw_source_model *model, gw
 
 /* --- materials --- */
 
-typedef struct uv_transform {
-    double offset[2], scale[2], rotation;
-} uv_transform;
-
 static double number_or(const json_t *value, double missing) {
     const double number = json_is_number(value) ? json_number_value(value) : missing;
     return isfinite(number) ? number : missing;
 }
 
-/* 1 when the material's base colour texture has a KHR_texture_transform that does something. */
-static int read_transform(const json_t *material, uv_transform *out) {
-    const json_t *texture =
-        json_object_get(json_object_get(material, "pbrMetallicRoughness"), "baseColorTexture");
-    const json_t *transform =
-        json_object_get(json_object_get(texture, "extensions"), "KHR_texture_transform");
-    if (!json_is_object(transform))
-        return 0;
-    for (size_t i = 0; i < 2; i++) {
-        out->offset[i] = number_or(json_array_get(json_object_get(transform, "offset"), i), 0.0);
-        out->scale[i] = number_or(json_array_get(json_object_get(transform, "scale"), i), 1.0);
-    }
-    out->rotation = number_or(json_object_get(transform, "rotation"), 0.0);
-    return 1;
-}
-
-/* Scale, then rotate counter-clockwise (v points down), then shift: the extension's own order. */
-static void transform_texcoord(float texcoord[2], const uv_transform *transform) {
-    const double cosine = gw_cos(transform->rotation), sine = gw_sin(transform->rotation);
-    const double u = transform->scale[0] * texcoord[0], v = transform->scale[1] * texcoord[1];
-    texcoord[0] = (float)(cosine * u + sine * v + transform->offset[0]);
-    texcoord[1] = (float)(-sine * u + cosine * v + transform->offset[1]);
+static void transform_texcoord(float texcoord[2], const double to_uv[2][3]) {
+    const double u = texcoord[0], v = texcoord[1];
+    for (int i = 0; i < 2; i++)
+        texcoord[i] = (float)(to_uv[i][0] * u + to_uv[i][1] * v + to_uv[i][2]);
 }
 
 /* The import child makes every vertex belong to one material, so texture coordinates can be moved for good.
@@ -133,18 +111,22 @@ static gw_code apply_transforms(const json_t *materials, gw_source_model *model,
         return GW_OK;
     gw_code code = gw_allocate((void **)&moved, scene->vertex_count, 1, "texture transforms", error);
     for (uint32_t i = 0; code == GW_OK && i < scene->triangle_count; i++) {
-        uv_transform transform;
+        double to_uv[2][3];
         const uint32_t material = scene->material_of[i];
-        if (material >= scene->material_count || model->material_sources[material].file_index < 0 ||
-            !read_transform(json_array_get(materials, (size_t)model->material_sources[material].file_index),
-                            &transform))
+        if (material >= scene->material_count || model->material_sources[material].file_index < 0)
             continue;
+        const json_t *base =
+            gw_gltf_map(json_array_get(materials, (size_t)model->material_sources[material].file_index),
+                        GW_MAP_BASE_COLOR);
+        if (!json_object_get(json_object_get(base, "extensions"), "KHR_texture_transform"))
+            continue;
+        gw_gltf_texture_transform(base, to_uv);
         for (int k = 0; k < 3; k++) {
             const uint32_t vertex = scene->triangles[i][k];
             if (vertex >= scene->vertex_count || moved[vertex])
                 continue;
             moved[vertex] = 1;
-            transform_texcoord(scene->texcoords + (size_t)vertex * 2, &transform);
+            transform_texcoord(scene->texcoords + (size_t)vertex * 2, (const double(*)[3])to_uv);
         }
     }
     free(moved);
@@ -175,12 +157,19 @@ static size_t count_with(const json_t *objects, const char *key, const char *inn
     return count;
 }
 
-static size_t count_specular_maps(const json_t *materials) {
+static size_t count_maps(const json_t *materials, gw_map map) {
+    size_t count = 0;
+    for (size_t i = 0; i < json_array_size(materials); i++)
+        count += gw_gltf_map(json_array_get(materials, i), map) != NULL;
+    return count;
+}
+
+static size_t count_coat_normals(const json_t *materials) {
     size_t count = 0;
     for (size_t i = 0; i < json_array_size(materials); i++) {
         const json_t *carried = json_object_get(json_array_get(materials, i), "extensions");
-        count += json_object_get(json_object_get(carried, "KHR_materials_pbrSpecularGlossiness"),
-                                 "specularGlossinessTexture") != NULL;
+        count += json_object_get(json_object_get(carried, "KHR_materials_clearcoat"),
+                                 "clearcoatNormalTexture") != NULL;
     }
     return count;
 }
@@ -206,8 +195,17 @@ static gw_code note_losses(const gw_gltf *gltf, gw_source_model *model, gw_error
         {count_with(materials, "emissiveTexture", NULL), "materials with an emissive map: its mean is used"},
         {count_with(materials, "metallicRoughnessTexture", "pbrMetallicRoughness"),
          "materials with a metallic-roughness map: its mean is used"},
-        {count_specular_maps(materials),
-         "materials with a specular-glossiness map: drawn without it, metals by their diffuse colour alone"},
+        {count_maps(materials, GW_MAP_CLEARCOAT), "materials with a clearcoat map: its mean is used"},
+        {count_maps(materials, GW_MAP_CLEARCOAT_ROUGHNESS),
+         "materials with a map of the clearcoat's roughness: its mean is used"},
+        {count_maps(materials, GW_MAP_SHEEN_COLOR), "materials with a sheen colour map: its mean is used"},
+        {count_maps(materials, GW_MAP_SHEEN_ROUGHNESS),
+         "materials with a sheen roughness map: its mean is used"},
+        {count_maps(materials, GW_MAP_SPECULAR), "materials with a specular map: its mean is used"},
+        {count_maps(materials, GW_MAP_SPECULAR_COLOR),
+         "materials with a specular colour map: its mean is used"},
+        {count_maps(materials, GW_MAP_THICKNESS), "materials with a thickness map: its mean is used"},
+        {count_coat_normals(materials), "materials with a normal map of the clearcoat: drawn without it"},
     };
     for (size_t i = 0; code == GW_OK && i < sizeof losses / sizeof *losses; i++)
         code = note_count(model, losses[i].count, losses[i].what, error);
@@ -239,17 +237,41 @@ static void name_viewpoints(const gw_gltf *gltf, gw_scene *scene) {
     }
 }
 
-gw_code gw_gltf_apply(const gw_gltf *gltf, gw_source_model *model, gw_error *error) {
+/* Names, factors and pictures of all materials. */
+static gw_code apply_materials(const gw_gltf *gltf, const char *folder, gw_source_model *model,
+                               gw_error *error) {
+    const json_t *materials = json_object_get(gltf->root, "materials");
+    gw_scene *scene = model->scene;
+    gw_gltf_data data = {0};
+    int extended = 0;
+    gw_code code = gw_gltf_data_open(gltf, folder, &data, error);
+    if (code == GW_OK)
+        code = gw_scene_extend_materials(scene, error);
+    for (uint32_t i = 0; code == GW_OK && i < scene->material_count; i++) {
+        const int32_t index = model->material_sources[i].file_index;
+        const json_t *source = index >= 0 ? json_array_get(materials, (size_t)index) : NULL;
+        if (!source)
+            continue;
+        apply_material(source, &scene->materials[i], (size_t)index);
+        extended |= gw_gltf_extension(source, &scene->materials[i], &scene->extensions[i]);
+        gw_gltf_specular(source, model->material_sources[i].specular);
+        code = gw_gltf_map_sources(&data, source, i, model, error);
+    }
+    if (!extended) {
+        free(scene->extensions);
+        scene->extensions = NULL;
+    }
+    gw_gltf_data_close(&data);
+    return code;
+}
+
+gw_code gw_gltf_apply(const gw_gltf *gltf, const char *folder, gw_source_model *model, gw_error *error) {
     const json_t *materials = json_object_get(gltf->root, "materials");
     gw_code code = apply_transforms(materials, model, error);
     if (code == GW_OK)
         code = note_bare_triangles(model, error);
-    for (uint32_t i = 0; i < model->scene->material_count; i++) {
-        const int32_t index = model->material_sources[i].file_index;
-        const json_t *source = index >= 0 ? json_array_get(materials, (size_t)index) : NULL;
-        if (source)
-            apply_material(source, &model->scene->materials[i], (size_t)index);
-    }
+    if (code == GW_OK)
+        code = apply_materials(gltf, folder, model, error);
     if (gw_gltf_moves(gltf))
         name_viewpoints(gltf, model->scene);
     if (code == GW_OK)

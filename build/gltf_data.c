@@ -54,14 +54,14 @@ static int digit_of(char letter) {
     return letter == '+' ? 62 : letter == '/' ? 63 : -1;
 }
 
-/* "data:...;base64,TEXT". Ends at the first letter that is not base64's. */
-static gw_code decode_uri(const char *uri, size_t index, gw_bytes *out, gw_error *error) {
+/* "data:...;base64,TEXT". Ends at the first letter that is not base64's. kind: buffer or image. */
+static gw_code decode_uri(const char *uri, const char *kind, size_t index, gw_bytes *out, gw_error *error) {
     const char *comma = strchr(uri, ',');
     if (!comma || comma - uri < 7 || strncmp(comma - 7, ";base64", 7) != 0)
-        return gw_fail(error, GW_BAD_INPUT, "glTF buffer %zu: its data: text is not base64", index);
+        return gw_fail(error, GW_BAD_INPUT, "glTF %s %zu: its data: text is not base64", kind, index);
     const char *text = comma + 1;
     const size_t length = strlen(text);
-    gw_code code = gw_allocate((void **)&out->data, length / 4 * 3 + 4, 1, "glTF buffer", error);
+    gw_code code = gw_allocate((void **)&out->data, length / 4 * 3 + 4, 1, "glTF data", error);
     uint32_t bits = 0;
     for (size_t i = 0; code == GW_OK && i < length && digit_of(text[i]) >= 0; i++) {
         bits = bits << 6 | (uint32_t)digit_of(text[i]);
@@ -98,13 +98,47 @@ static gw_code buffer_bytes(gw_gltf_data *data, size_t index, const uint8_t **be
         return GW_OK;
     }
     if (!bytes->data && uri && strncmp(uri, "data:", 5) == 0)
-        code = decode_uri(uri, index, bytes, error);
+        code = decode_uri(uri, "buffer", index, bytes, error);
     else if (!bytes->data && uri && data->folder)
         code = read_file(data, uri, bytes, error);
     else if (!bytes->data)
         code = gw_fail(error, GW_BAD_INPUT, "glTF buffer %zu names no file that can be read", index);
     *begin = bytes->data;
     *size = bytes->size;
+    return code;
+}
+
+/* --- pictures --- */
+
+const char *gw_gltf_image_file(const gw_gltf *gltf, size_t image) {
+    const char *uri = json_string_value(json_object_get(entry(gltf, "images", image), "uri"));
+    return uri && strncmp(uri, "data:", 5) != 0 ? uri : NULL;
+}
+
+gw_code gw_gltf_image_bytes(gw_gltf_data *data, size_t image, gw_bytes *out, gw_error *error) {
+    const json_t *object = entry(data->gltf, "images", image);
+    const char *uri = json_string_value(json_object_get(object, "uri"));
+    *out = (gw_bytes){0};
+    if (uri)
+        return decode_uri(uri, "image", image, out, error);
+    const size_t view_index = size_of(object, "bufferView", SIZE_MAX);
+    const json_t *view = entry(data->gltf, "bufferViews", view_index);
+    if (!view)
+        return gw_fail(error, GW_BAD_INPUT, "glTF image %zu names neither a file nor a bufferView", image);
+    const uint8_t *bytes = NULL;
+    size_t size = 0;
+    gw_code code = buffer_bytes(data, size_of(view, "buffer", SIZE_MAX), &bytes, &size, error);
+    if (code != GW_OK)
+        return code;
+    const size_t begin = size_of(view, "byteOffset", 0), length = size_of(view, "byteLength", 0);
+    if (begin > size || length > size - begin)
+        return gw_fail(error, GW_BAD_INPUT, "glTF image %zu reaches beyond its buffer of %zu bytes", image,
+                       size);
+    code = gw_allocate((void **)&out->data, length + 1, 1, "embedded texture", error);
+    if (code == GW_OK) {
+        memcpy(out->data, bytes + begin, length);
+        out->size = length;
+    }
     return code;
 }
 

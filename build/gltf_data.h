@@ -23,6 +23,11 @@ typedef struct gw_gltf_data {
 gw_code gw_gltf_data_open(const gw_gltf *gltf, const char *folder, gw_gltf_data *data, gw_error *error);
 void gw_gltf_data_close(gw_gltf_data *data);
 
+/* The file that a picture is in, as the JSON spells it, or NULL when its bytes are in the glTF file or its
+ * buffers: then gw_gltf_image_bytes() copies them (still packed as PNG or JPEG). */
+const char *gw_gltf_image_file(const gw_gltf *gltf, size_t image);
+gw_code gw_gltf_image_bytes(gw_gltf_data *data, size_t image, gw_bytes *out, gw_error *error);
+
 /* Elements of an accessor; 0 when there is no such accessor. */
 size_t gw_gltf_count(const gw_gltf *gltf, size_t accessor);
 

@@ -116,7 +116,7 @@ static gw_code make_normals(gw_source_model *model, const gw_log *log, gw_error 
 /* What the child cannot carry of a glTF file. */
 static gw_code complete_gltf(const gw_gltf *gltf, const char *folder, const gw_import_options *options,
                              gw_source_model *model, gw_error *error) {
-    gw_code code = gw_gltf_apply(gltf, model, error);
+    gw_code code = gw_gltf_apply(gltf, folder, model, error);
     if (code == GW_OK)
         code = gw_gltf_check_extensions(gltf, model, error);
     if (code == GW_OK)

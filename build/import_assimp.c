@@ -16,11 +16,12 @@ enum { MAXIMUM_NODE_DEPTH = 2000 };
 typedef struct converter {
     const struct aiScene *read;
     gw_model_format format;
+    const gw_import_files *files;
     gw_source_model *model;
     uint64_t vertices, triangles; /* counted in the first walk, placed so far in the second */
     uint64_t other_primitives;
     uint32_t placed_lights, placed_cameras;
-    int normals, texcoords, colors; /* some mesh has them */
+    int normals, texcoords, second_texcoords, colors; /* some mesh has them */
     size_t span_capacity;
     int counting;
     gw_error *error;
@@ -66,6 +67,20 @@ static int place_direction(const matrix *a, const struct aiVector3D *d, double o
 
 /* --- meshes --- */
 
+/* Which of assimp's sets become the first and the second of the scene, -1: none. */
+static void texcoord_sets(const converter *self, const struct aiMesh *mesh, int32_t sets[2]) {
+    const gw_import_files *files = self->files;
+    sets[0] = 0;
+    sets[1] = -1;
+    if (self->format != GW_FORMAT_GLTF || mesh->mMaterialIndex >= self->read->mNumMaterials)
+        return;
+    const int32_t index = gw_import_material_index(self->read->mMaterials[mesh->mMaterialIndex]);
+    if (index >= 0 && (size_t)index < files->texcoord_set_count)
+        memcpy(sets, files->texcoord_sets[index], 2 * sizeof *sets);
+    if (sets[0] < 0)
+        sets[0] = 0;
+}
+
 static void count_mesh(converter *self, const struct aiMesh *mesh) {
     self->vertices += mesh->mNumVertices;
     for (unsigned f = 0; f < mesh->mNumFaces; f++) {
@@ -75,15 +90,15 @@ static void count_mesh(converter *self, const struct aiMesh *mesh) {
     if (mesh->mNumFaces == 0)
         self->other_primitives += mesh->mNumVertices; /* a cloud of points */
     self->normals |= mesh->mNormals != NULL && self->format != GW_FORMAT_STL;
-    self->texcoords |= mesh->mTextureCoords[0] != NULL;
+    int32_t sets[2];
+    texcoord_sets(self, mesh, sets);
+    self->texcoords |= sets[0] >= 0 && mesh->mTextureCoords[sets[0]] != NULL;
+    self->second_texcoords |= sets[1] >= 0;
     self->colors |= mesh->mColors[0] != NULL;
 }
 
-static void put_texcoords(const converter *self, const struct aiMesh *mesh, float *out) {
-    unsigned channel = 0;
-    if (mesh->mMaterialIndex < self->read->mNumMaterials)
-        channel = gw_import_material_channel(self->read->mMaterials[mesh->mMaterialIndex]);
-    const struct aiVector3D *texcoords = mesh->mTextureCoords[channel];
+static void put_texcoords(const struct aiMesh *mesh, int32_t set, float *out) {
+    const struct aiVector3D *texcoords = set >= 0 ? mesh->mTextureCoords[set] : NULL;
     for (unsigned v = 0; texcoords && v < mesh->mNumVertices; v++) {
         out[(size_t)v * 2] = (float)texcoords[v].x;
         out[(size_t)v * 2 + 1] = (float)(1.0 - (double)texcoords[v].y); /* assimp's v points up */
@@ -120,8 +135,12 @@ static void put_mesh(converter *self, const struct aiMesh *mesh, const matrix *p
         if (scene->normals && mesh->mNormals)
             place_normal((const double(*)[3])cofactors, &mesh->mNormals[v], scene->normals + (first + v) * 3);
     }
+    int32_t sets[2];
+    texcoord_sets(self, mesh, sets);
     if (scene->texcoords)
-        put_texcoords(self, mesh, scene->texcoords + first * 2);
+        put_texcoords(mesh, sets[0], scene->texcoords + first * 2);
+    if (scene->second_texcoords)
+        put_texcoords(mesh, sets[1], scene->second_texcoords + first * 2);
     if (scene->colors)
         put_colors(self, mesh, scene->colors + first * 4);
     for (unsigned f = 0; f < mesh->mNumFaces; f++) {
@@ -294,6 +313,7 @@ static gw_code allocate_scene(converter *self) {
         {&self->model->world, self->vertices, 3 * sizeof(double)},
         {&scene->normals, self->normals ? self->vertices : 0, 3 * sizeof(float)},
         {&scene->texcoords, self->texcoords ? self->vertices : 0, 2 * sizeof(float)},
+        {&scene->second_texcoords, self->second_texcoords ? self->vertices : 0, 2 * sizeof(float)},
         {&scene->colors, self->colors ? self->vertices : 0, 4},
         {&scene->triangles, self->triangles, sizeof *scene->triangles},
         {&scene->material_of, self->triangles, sizeof *scene->material_of},
@@ -310,15 +330,24 @@ static gw_code allocate_scene(converter *self) {
 
 static gw_code convert_materials(converter *self) {
     gw_scene *scene = self->model->scene;
-    for (uint32_t i = 0; i < self->read->mNumMaterials; i++) {
+    const gw_material_extension none = gw_material_extension_none();
+    int extended = 0;
+    scene->material_count = self->read->mNumMaterials;
+    if (self->format == GW_FORMAT_OBJ && gw_scene_extend_materials(scene, self->error) != GW_OK)
+        return GW_MACHINE;
+    for (uint32_t i = 0; i < scene->material_count; i++) {
         gw_code code = gw_import_material(self->read, self->read->mMaterials[i], self->format, self->model, i,
                                           self->error);
         if (code != GW_OK)
             return code;
-        scene->material_count = i + 1;
+        extended |= scene->extensions && memcmp(&none, &scene->extensions[i], sizeof none) != 0;
         if (self->format != GW_FORMAT_GLTF && self->format != GW_FORMAT_OBJ && self->colors)
             for (int k = 0; k < 3; k++) /* the vertices bring the colour */
                 scene->materials[i].base_color[k] = 1.0f;
+    }
+    if (!extended) {
+        free(scene->extensions);
+        scene->extensions = NULL;
     }
     return GW_OK;
 }
@@ -333,10 +362,11 @@ static gw_code note_choices(const converter *self) {
     return code;
 }
 
-gw_code gw_import_convert(const struct aiScene *read, gw_model_format format, gw_source_model *model,
-                          gw_error *error) {
+gw_code gw_import_convert(const struct aiScene *read, gw_model_format format, const gw_import_files *files,
+                          gw_source_model *model, gw_error *error) {
     const matrix identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-    converter self = {.read = read, .format = format, .model = model, .counting = 1, .error = error};
+    converter self = {
+        .read = read, .format = format, .files = files, .model = model, .counting = 1, .error = error};
     gw_code code = walk(&self, read->mRootNode, &identity, 0);
     if (code != GW_OK)
         return code;

@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "build/gltf.h"
+#include "build/gltf_material.h"
 #include "build/import_internal.h"
 #include "build/import_stream.h"
 
@@ -68,6 +69,16 @@ static gw_code add_log_notes(const log_notes *log, gw_source_model *model, gw_er
     return code;
 }
 
+static gw_code list_texcoord_sets(const gw_gltf *gltf, gw_import_files *files, gw_error *error) {
+    const json_t *materials = json_object_get(gltf->root, "materials");
+    files->texcoord_set_count = json_array_size(materials);
+    gw_code code = gw_allocate((void **)&files->texcoord_sets, files->texcoord_set_count,
+                               sizeof *files->texcoord_sets, "sets of texture coordinates", error);
+    for (size_t i = 0; code == GW_OK && i < files->texcoord_set_count; i++)
+        gw_gltf_texcoord_sets(json_array_get(materials, i), files->texcoord_sets[i]);
+    return code;
+}
+
 /* glTF: marks the materials, and what moves, so that their places in the file's lists survive assimp. */
 static gw_code mark_gltf(gw_import_files *files, gw_error *error) {
     gw_gltf gltf;
@@ -76,7 +87,9 @@ static gw_code mark_gltf(gw_import_files *files, gw_error *error) {
     if (code != GW_OK)
         return code;
     files->promised_triangles = gw_gltf_promised_triangles(&gltf);
-    code = gw_gltf_mark(&gltf, &marked, error);
+    code = list_texcoord_sets(&gltf, files, error);
+    if (code == GW_OK)
+        code = gw_gltf_mark(&gltf, &marked, error);
     gw_gltf_close(&gltf);
     if (code != GW_OK)
         return code;
@@ -153,7 +166,7 @@ static gw_code import(gw_import_files *files, gw_model_format format, uint64_t m
     if (!read || !read->mRootNode)
         code = fail_import(files, memory, error);
     else
-        code = gw_import_convert(read, format, model, error);
+        code = gw_import_convert(read, format, files, model, error);
     if (code == GW_OK)
         count_lost_triangles(files, read, model);
     if (code == GW_OK && files->missing)
@@ -187,6 +200,7 @@ static gw_code run(const char *path, uint64_t memory, FILE *output, gw_error *er
     gw_source_model_destroy(&model);
     gw_bytes_finish(&files.main);
     free(files.main_name);
+    free(files.texcoord_sets);
     free(files.missing);
     free(folder);
     return code;

@@ -70,6 +70,8 @@ typedef struct gw_import_files {
     char *missing; /* the first file that could not be opened, NULL for none; owned */
     uint32_t missing_count;
     uint64_t promised_triangles; /* glTF: what its meshes should hold; 0: not known */
+    int32_t (*texcoord_sets)[2]; /* glTF: of its materials (gw_gltf_texcoord_sets()); NULL otherwise; owned */
+    size_t texcoord_set_count;
 } gw_import_files;
 
 /* Callbacks through which assimp reads nothing but these files; the result lives as long as *files. */
@@ -79,14 +81,15 @@ struct aiFileIO gw_import_file_io(gw_import_files *files);
 gw_code gw_import_precheck(gw_model_format format, const uint8_t *data, size_t size, gw_error *error);
 
 /* Flattens what assimp read into a model. */
-gw_code gw_import_convert(const struct aiScene *read, gw_model_format format, gw_source_model *model,
-                          gw_error *error);
+gw_code gw_import_convert(const struct aiScene *read, gw_model_format format, const gw_import_files *files,
+                          gw_source_model *model, gw_error *error);
 
 /* One material; its textures are added to the model's sources. */
 gw_code gw_import_material(const struct aiScene *read, const struct aiMaterial *from, gw_model_format format,
                            gw_source_model *model, uint32_t index, gw_error *error);
-/* The texture coordinates that the material's base colour texture uses. */
-unsigned gw_import_material_channel(const struct aiMaterial *from);
+/* Place of a glTF material in the file's list, by the name that gw_gltf_mark() gave it; -1 for assimp's own.
+ */
+int32_t gw_import_material_index(const struct aiMaterial *from);
 
 /* A display value 0..1 as linear light. */
 float gw_linear_from_srgb(float value);

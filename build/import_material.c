@@ -93,7 +93,7 @@ cleanup:
 /* The material's first texture of a type as a source index, -1 for none. alpha: the texture type of a
  * separate opacity picture, or aiTextureType_NONE. */
 static gw_code get_texture(const struct aiScene *read, const struct aiMaterial *from, enum aiTextureType type,
-                           enum aiTextureType alpha, int uri, gw_source_model *model, int32_t *index,
+                           enum aiTextureType alpha, gw_source_model *model, int32_t *index,
                            gw_error *error) {
     struct aiString path = {0}, alpha_path = {0};
     enum aiTextureMapMode modes[3] = {aiTextureMapMode_Wrap, aiTextureMapMode_Wrap, aiTextureMapMode_Wrap};
@@ -108,19 +108,14 @@ static gw_code get_texture(const struct aiScene *read, const struct aiMaterial *
     gw_texture_source source = {.path = gw_copy_text(path.data),
                                 .alpha_path = gw_copy_text(alpha_path.data),
                                 .wrap_u = wrap_of(modes[0]),
-                                .wrap_v = wrap_of(modes[1])};
+                                .wrap_v = wrap_of(modes[1]),
+                                .image = -1};
     if (!source.path || !source.alpha_path) {
         free(source.path);
         free(source.alpha_path);
         return gw_fail(error, GW_MACHINE, "out of memory for a texture's name");
     }
-    if (uri)
-        gw_uri_decode(source.path);
     return add_source(read, &source, model, index, error);
-}
-
-static int has_texture(const struct aiMaterial *from, enum aiTextureType type) {
-    return aiGetMaterialTextureCount(from, type) > 0;
 }
 
 static float get_float(const struct aiMaterial *from, const char *key, float missing) {
@@ -151,18 +146,23 @@ static gw_alpha_mode alpha_mode_of(const struct aiMaterial *from) {
                                              : GW_ALPHA_OPAQUE;
 }
 
-static gw_code gltf_material(const struct aiScene *read, const struct aiMaterial *from,
-                             gw_source_model *model, gw_material *to, gw_material_source *source,
-                             gw_error *error) {
-    struct aiColor4D color = {1, 1, 1, 1};
+int32_t gw_import_material_index(const struct aiMaterial *from) {
     struct aiString name = {0};
+    if (aiGetMaterialString(from, AI_MATKEY_NAME, &name) != aiReturn_SUCCESS || name.data[0] != '#')
+        return -1;
+    return (int32_t)strtol(name.data + 1, NULL, 10);
+}
+
+/* The factors that assimp carries; pictures and extensions come from the JSON (gw_gltf_apply()). */
+static void gltf_material(const struct aiMaterial *from, gw_material *to, gw_material_source *source) {
+    struct aiColor4D color = {1, 1, 1, 1};
     int two_sided = 0;
     const float glossiness = get_float(from, "$mat.glossinessFactor", -1.0f);
-    if (aiGetMaterialString(from, AI_MATKEY_NAME, &name) != aiReturn_SUCCESS || name.data[0] != '#') {
+    source->file_index = gw_import_material_index(from);
+    if (source->file_index < 0) {
         snprintf(to->name, sizeof to->name, "default"); /* assimp's own, for primitives that name none */
-        return GW_OK;
+        return;
     }
-    source->file_index = (int32_t)strtol(name.data + 1, NULL, 10);
     if (glossiness >= 0.0f || !get_color(from, "$clr.base", &color))
         get_color(from, "$clr.diffuse", &color);
     set_color(to->base_color, &color, 0, 1.0f);
@@ -177,20 +177,6 @@ static gw_code gltf_material(const struct aiScene *read, const struct aiMaterial
     to->alpha_cutoff = fmaxf(0.0f, get_float(from, "$mat.gltf.alphaCutoff", 0.5f));
     aiGetMaterialIntegerArray(from, AI_MATKEY_TWOSIDED, &two_sided, NULL);
     to->two_sided = two_sided != 0;
-    const enum aiTextureType base = has_texture(from, aiTextureType_BASE_COLOR) && glossiness < 0.0f
-                                        ? aiTextureType_BASE_COLOR
-                                        : aiTextureType_DIFFUSE;
-    gw_code code = get_texture(read, from, base, aiTextureType_NONE, 1, model, &source->base_color, error);
-    if (code == GW_OK && glossiness < 0.0f) {
-        const enum aiTextureType type =
-            has_texture(from, aiTextureType_METALNESS) ? aiTextureType_METALNESS : aiTextureType_UNKNOWN;
-        code =
-            get_texture(read, from, type, aiTextureType_NONE, 1, model, &source->metallic_roughness, error);
-    }
-    if (code == GW_OK)
-        code = get_texture(read, from, aiTextureType_EMISSIVE, aiTextureType_NONE, 1, model,
-                           &source->emissive, error);
-    return code;
 }
 
 /* Phong's exponent as a roughness: alpha^2 = 2 / (Ns + 2), and the perceptual roughness is the root of alpha.
@@ -209,10 +195,21 @@ static gw_code mtl_material(const struct aiScene *read, const struct aiMaterial 
     struct aiString name = {0};
     if (aiGetMaterialString(from, AI_MATKEY_NAME, &name) == aiReturn_SUCCESS)
         snprintf(to->name, sizeof to->name, "%.*s", (int)sizeof to->name - 1, name.data);
-    gw_code code = get_texture(read, from, aiTextureType_DIFFUSE, aiTextureType_OPACITY, 0, model,
-                               &source->base_color, error);
+    gw_code code = get_texture(read, from, aiTextureType_DIFFUSE, aiTextureType_OPACITY, model,
+                               &source->maps[GW_MAP_BASE_COLOR], error);
+    if (code == GW_OK)
+        code = get_texture(read, from, aiTextureType_EMISSIVE, aiTextureType_NONE, model,
+                           &source->maps[GW_MAP_EMISSIVE], error);
+    if (code == GW_OK)
+        code = get_texture(read, from, aiTextureType_NORMALS, aiTextureType_NONE, model,
+                           &source->maps[GW_MAP_NORMAL], error);
+    if (code == GW_OK && source->maps[GW_MAP_NORMAL] < 0) {
+        code = get_texture(read, from, aiTextureType_HEIGHT, aiTextureType_NONE, model,
+                           &source->maps[GW_MAP_NORMAL], error);
+        source->normal_may_be_height = source->maps[GW_MAP_NORMAL] >= 0;
+    }
     get_color(from, "$clr.diffuse", &color);
-    if (source->base_color >= 0 && color.r <= 0 && color.g <= 0 && color.b <= 0)
+    if (source->maps[GW_MAP_BASE_COLOR] >= 0 && color.r <= 0 && color.g <= 0 && color.b <= 0)
         color = (struct aiColor4D){1, 1, 1,
                                    1}; /* exporters write a black Kd beside map_Kd; it would hide the map */
     set_color(to->base_color, &color, 1, 1.0f);
@@ -224,9 +221,23 @@ static gw_code mtl_material(const struct aiScene *read, const struct aiMaterial 
     to->roughness = clamp01((double)(roughness >= 0.0f ? roughness : mtl_roughness(from)));
     color = (struct aiColor4D){0, 0, 0, 1};
     get_color(from, "$clr.emissive", &color);
+    if (source->maps[GW_MAP_EMISSIVE] >= 0 && color.r <= 0 && color.g <= 0 && color.b <= 0)
+        color = (struct aiColor4D){1, 1, 1, 1}; /* as with map_Kd */
     set_color(to->emissive, &color, 1, 1.0f);
     to->two_sided = 1;
     return code;
+}
+
+/* Ni, Pc, Pcr and Ps. An index of 1 is what exporters write who know none. */
+static void mtl_extension(const struct aiMaterial *from, gw_material_extension *to) {
+    const float ior = get_float(from, "$mat.refracti", 1.0f);
+    const float sheen = clamp01((double)get_float(from, "$clr.sheen.factor", 0.0f));
+    to->ior = ior > 1.0f ? fminf(ior, 1e6f) : to->ior;
+    to->clearcoat = clamp01((double)get_float(from, "$mat.clearcoat.factor", 0.0f));
+    to->clearcoat_roughness = clamp01((double)get_float(from, "$mat.clearcoat.roughnessFactor", 0.0f));
+    for (int i = 0; i < 3; i++)
+        to->sheen_color[i] = sheen;
+    to->sheen_roughness = sheen > 0.0f ? 0.5f : to->sheen_roughness; /* MTL has no key for it */
 }
 
 gw_code gw_import_material(const struct aiScene *read, const struct aiMaterial *from, gw_model_format format,
@@ -238,22 +249,16 @@ gw_code gw_import_material(const struct aiScene *read, const struct aiMaterial *
                         .alpha_cutoff = 0.5f,
                         .two_sided = 1,
                         .base_color_texture = -1};
-    *source = (gw_material_source){-1, -1, -1, -1, 0};
+    *source = gw_material_source_none();
     if (format == GW_FORMAT_GLTF)
-        return gltf_material(read, from, model, to, source, error);
+        gltf_material(from, to, source);
+    if (format == GW_FORMAT_GLTF)
+        return GW_OK;
+    if (format == GW_FORMAT_OBJ)
+        mtl_extension(from, &model->scene->extensions[index]);
     if (format == GW_FORMAT_OBJ)
         return mtl_material(read, from, model, to, source, error);
     snprintf(to->name, sizeof to->name,
              "default"); /* PLY, STL and OFF have no materials; a colour comes by vertex */
     return GW_OK;
-}
-
-unsigned gw_import_material_channel(const struct aiMaterial *from) {
-    const enum aiTextureType type =
-        has_texture(from, aiTextureType_BASE_COLOR) ? aiTextureType_BASE_COLOR : aiTextureType_DIFFUSE;
-    int channel = 0;
-    if (aiGetMaterialIntegerArray(from, "$tex.uvwsrc", type, 0, &channel, NULL) != aiReturn_SUCCESS ||
-        channel < 0 || channel >= AI_MAX_NUMBER_OF_TEXTURECOORDS)
-        return 0;
-    return (unsigned)channel;
 }

@@ -9,8 +9,16 @@
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the stream copies little-endian memory");
 
 static const char stream_magic[8] = {'G', 'W', 'M', 'O', 'D', 'E', 'L', '\n'};
-enum { STREAM_VERSION = 2, MAXIMUM_TEXT = 4096, TRAILER = 0x0a444e45 /* "END\n" */ };
-enum { HAS_NORMALS = 1, HAS_TEXCOORDS = 2, HAS_COLORS = 4, WANTS_NORMALS = 8 };
+enum { STREAM_VERSION = 3, MAXIMUM_TEXT = 4096, TRAILER = 0x0a444e45 /* "END\n" */ };
+enum {
+    HAS_NORMALS = 1,
+    HAS_TEXCOORDS = 2,
+    HAS_COLORS = 4,
+    WANTS_NORMALS = 8,
+    HAS_SECOND_TEXCOORDS = 16,
+    HAS_EXTENSIONS = 32,
+    ALL_FLAGS = 63
+};
 
 /* --- writing: the same walk is done twice, first only to count --- */
 
@@ -48,7 +56,9 @@ static void put_geometry(writer *to, const gw_source_model *model) {
     put_u32(to, scene->vertex_count);
     put_u32(to, scene->triangle_count);
     put_u32(to, (scene->normals ? HAS_NORMALS : 0u) | (scene->texcoords ? HAS_TEXCOORDS : 0u) |
-                    (scene->colors ? HAS_COLORS : 0u) | (model->wants_normals ? WANTS_NORMALS : 0u));
+                    (scene->colors ? HAS_COLORS : 0u) | (model->wants_normals ? WANTS_NORMALS : 0u) |
+                    (scene->second_texcoords ? HAS_SECOND_TEXCOORDS : 0u) |
+                    (scene->extensions ? HAS_EXTENSIONS : 0u));
     put_u64(to, scene->dropped.bad_index);
     put_u64(to, scene->dropped.not_triangle);
     put(to, model->world, vertices * 3 * sizeof(double));
@@ -56,6 +66,8 @@ static void put_geometry(writer *to, const gw_source_model *model) {
         put(to, scene->normals, vertices * 3 * sizeof(float));
     if (scene->texcoords)
         put(to, scene->texcoords, vertices * 2 * sizeof(float));
+    if (scene->second_texcoords)
+        put(to, scene->second_texcoords, vertices * 2 * sizeof(float));
     if (scene->colors)
         put(to, scene->colors, vertices * 4);
     put(to, scene->triangles, triangles * sizeof *scene->triangles);
@@ -67,8 +79,6 @@ static void put_materials(writer *to, const gw_source_model *model) {
     for (uint32_t i = 0; i < model->scene->material_count; i++) {
         const gw_material *material = &model->scene->materials[i];
         const gw_material_source *source = &model->material_sources[i];
-        const int32_t indices[5] = {source->file_index, source->base_color, source->metallic_roughness,
-                                    source->emissive, source->alpha_from_texture};
         put_text(to, material->name);
         put(to, material->base_color, sizeof material->base_color);
         put(to, &material->metalness, sizeof material->metalness);
@@ -77,8 +87,13 @@ static void put_materials(writer *to, const gw_source_model *model) {
         put(to, &material->alpha_cutoff, sizeof material->alpha_cutoff);
         put_u32(to, (uint32_t)material->alpha_mode);
         put_u32(to, (uint32_t)material->two_sided);
-        put(to, indices, sizeof indices);
+        put_u32(to, (uint32_t)source->file_index);
+        put(to, source->maps, sizeof source->maps);
+        put_u32(to, (uint32_t)source->alpha_from_texture);
+        put_u32(to, (uint32_t)source->normal_may_be_height);
     }
+    if (model->scene->extensions)
+        put(to, model->scene->extensions, model->scene->material_count * sizeof(gw_material_extension));
 }
 
 static void put_sources(writer *to, const gw_source_model *model) {
@@ -261,11 +276,12 @@ static void get_doubles(reader *from, double *values, size_t count) {
             reject(from, "a number is not finite");
 }
 
-static void get_geometry(reader *from, gw_source_model *model) {
+/* Returns the flags. */
+static uint32_t get_geometry(reader *from, gw_source_model *model) {
     gw_scene *scene = model->scene;
     const uint32_t vertices = get_count(from, 3 * sizeof(double));
     const uint32_t triangles = get_count(from, 4 * sizeof(uint32_t));
-    const uint32_t flags = get_choice(from, 16);
+    const uint32_t flags = get_choice(from, ALL_FLAGS + 1);
     scene->dropped.bad_index = get_u64(from);
     scene->dropped.not_triangle = get_u64(from);
     model->world = get_array(from, vertices, 3 * sizeof(double));
@@ -273,6 +289,8 @@ static void get_geometry(reader *from, gw_source_model *model) {
         scene->normals = get_array(from, vertices, 3 * sizeof(float));
     if (flags & HAS_TEXCOORDS)
         scene->texcoords = get_array(from, vertices, 2 * sizeof(float));
+    if (flags & HAS_SECOND_TEXCOORDS)
+        scene->second_texcoords = get_array(from, vertices, 2 * sizeof(float));
     if (flags & HAS_COLORS)
         scene->colors = get_array(from, vertices, 4);
     scene->triangles = get_array(from, triangles, sizeof *scene->triangles);
@@ -280,15 +298,25 @@ static void get_geometry(reader *from, gw_source_model *model) {
     model->wants_normals = (flags & WANTS_NORMALS) != 0;
     scene->vertex_count = from->fault ? 0 : vertices;
     scene->triangle_count = from->fault ? 0 : triangles;
+    return flags;
 }
 
-static void get_materials(reader *from, gw_source_model *model) {
-    const uint32_t count = get_count(from, 72);
+/* Of formats that the child reads alone; they name no maps yet. */
+static void get_extensions(reader *from, gw_scene *scene, uint32_t count) {
+    scene->extensions = get_array(from, count, sizeof *scene->extensions);
+    for (uint32_t i = 0; i < count && !from->fault; i++)
+        if (gw_material_extension_fault(scene, i))
+            reject(from, "a material's extension is out of range");
+}
+
+static void get_materials(reader *from, gw_source_model *model, uint32_t flags) {
+    const uint32_t count = get_count(from, 60 + GW_MAP_COUNT * 4);
     model->scene->materials = new_array(from, count, sizeof *model->scene->materials);
     model->material_sources = new_array(from, count, sizeof *model->material_sources);
     for (uint32_t i = 0; i < count && !from->fault; i++) {
         gw_material *material = &model->scene->materials[i];
-        int32_t indices[5];
+        gw_material_source *source = &model->material_sources[i];
+        *source = gw_material_source_none();
         get_name(from, material->name, sizeof material->name);
         get_floats(from, material->base_color, 4, 0.0f, 1.0f);
         get_floats(from, &material->metalness, 1, 0.0f, 1.0f);
@@ -298,10 +326,13 @@ static void get_materials(reader *from, gw_source_model *model) {
         material->alpha_mode = (gw_alpha_mode)get_choice(from, GW_ALPHA_BLEND + 1);
         material->two_sided = (int32_t)get_choice(from, 2);
         material->base_color_texture = -1;
-        get(from, indices, sizeof indices);
-        model->material_sources[i] =
-            (gw_material_source){indices[0], indices[1], indices[2], indices[3], indices[4] != 0};
+        get(from, &source->file_index, sizeof source->file_index);
+        get(from, source->maps, sizeof source->maps);
+        source->alpha_from_texture = (int32_t)get_choice(from, 2);
+        source->normal_may_be_height = (int32_t)get_choice(from, 2);
     }
+    if (flags & HAS_EXTENSIONS)
+        get_extensions(from, model->scene, count);
     model->scene->material_count = from->fault ? 0 : count;
 }
 
@@ -311,6 +342,7 @@ static void get_sources(reader *from, gw_source_model *model) {
     for (uint32_t i = 0; i < count && !from->fault; i++) {
         gw_texture_source *source = &model->sources[i];
         model->source_count = i + 1;
+        source->image = -1;
         source->path = get_text(from);
         source->alpha_path = get_text(from);
         source->wrap_u = (gw_wrap)get_choice(from, GW_WRAP_MIRROR + 1);
@@ -328,11 +360,10 @@ static void get_sources(reader *from, gw_source_model *model) {
 
 static void check_source_indices(reader *from, const gw_source_model *model) {
     for (uint32_t i = 0; i < model->scene->material_count && !from->fault; i++) {
-        const gw_material_source *source = &model->material_sources[i];
-        const int64_t count = model->source_count;
-        if (source->base_color < -1 || source->base_color >= count || source->metallic_roughness < -1 ||
-            source->metallic_roughness >= count || source->emissive < -1 || source->emissive >= count)
-            reject(from, "a material names a texture that is not there");
+        const int32_t *maps = model->material_sources[i].maps;
+        for (int map = 0; map < GW_MAP_COUNT; map++)
+            if (maps[map] < -1 || maps[map] >= (int64_t)model->source_count)
+                reject(from, "a material names a texture that is not there");
     }
 }
 
@@ -415,8 +446,8 @@ gw_code gw_model_stream_read(const void *data, size_t size, gw_source_model **ou
         return code;
     reader from = {
         .data = data, .size = size, .at = GW_MODEL_STREAM_HEADER, .error = error, .code = GW_BAD_INPUT};
-    get_geometry(&from, model);
-    get_materials(&from, model);
+    const uint32_t flags = get_geometry(&from, model);
+    get_materials(&from, model, flags);
     get_sources(&from, model);
     check_source_indices(&from, model);
     get_lights(&from, model->scene);

@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "build/model_path.h"
+#include "build/specular_glossiness.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -72,44 +73,41 @@ static int image_has_alpha(const gw_image *image) {
     return 0;
 }
 
-/* Mean of each channel, 0..1, as stored or as linear light. */
-static void image_mean(const gw_image *image, int linear, double mean[3]) {
+/* Mean of each channel, 0..1, as stored or as linear light (alpha always as stored). */
+static void image_mean(const gw_image *image, int linear, double mean[4]) {
     const uint64_t pixels = (uint64_t)image->width * image->height;
-    uint64_t histogram[3][256] = {{0}};
+    uint64_t histogram[4][256] = {{0}};
     for (uint64_t i = 0; i < pixels; i++)
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 4; c++)
             histogram[c][image->rgba[i * 4 + (uint64_t)c]]++;
-    for (int c = 0; c < 3; c++) {
+    for (int c = 0; c < 4; c++) {
         mean[c] = 0.0;
         for (int v = 0; v < 256; v++) {
             const float value = (float)v / 255.0f;
-            mean[c] += (double)(linear ? gw_linear_from_srgb(value) : value) * (double)histogram[c][v];
+            mean[c] +=
+                (double)(linear && c < 3 ? gw_linear_from_srgb(value) : value) * (double)histogram[c][v];
         }
         mean[c] /= (double)pixels;
     }
 }
 
-/* Takes the texture off materials that nothing uses, so that it is not looked for. */
+/* Takes the textures off materials that nothing uses, so that they are not looked for. */
 static gw_code forget_unused(gw_source_model *model, gw_error *error) {
     uint8_t *used = NULL;
     gw_code code = mark_used_materials(model->scene, &used, error);
     for (uint32_t i = 0; code == GW_OK && i < model->scene->material_count; i++)
-        if (!used[i]) {
-            gw_material_source *source = &model->material_sources[i];
-            source->base_color = source->metallic_roughness = source->emissive = -1;
-        }
+        for (int map = 0; map < GW_MAP_COUNT && !used[i]; map++)
+            model->material_sources[i].maps[map] = -1;
     free(used);
     return code;
 }
 
 /* The first material that uses the source, or NULL. */
 static const char *user_of(const gw_source_model *model, uint32_t source) {
-    for (uint32_t i = 0; i < model->scene->material_count; i++) {
-        const gw_material_source *material = &model->material_sources[i];
-        if (material->base_color == (int32_t)source || material->metallic_roughness == (int32_t)source ||
-            material->emissive == (int32_t)source)
-            return model->scene->materials[i].name;
-    }
+    for (uint32_t i = 0; i < model->scene->material_count; i++)
+        for (int map = 0; map < GW_MAP_COUNT; map++)
+            if (model->material_sources[i].maps[map] == (int32_t)source)
+                return model->scene->materials[i].name;
     return NULL;
 }
 
@@ -125,29 +123,65 @@ static gw_code load_source(const gw_source_model *model, uint32_t index, const c
     return code;
 }
 
-/* Multiplies the factors of every material that uses the picture only by its mean. */
-static void apply_means(gw_source_model *model, uint32_t index, const gw_image *image) {
-    for (uint32_t i = 0; i < model->scene->material_count; i++) {
-        const gw_material_source *source = &model->material_sources[i];
-        gw_material *material = &model->scene->materials[i];
-        double mean[3];
-        if (source->metallic_roughness == (int32_t)index) {
-            image_mean(image, 0, mean);
-            material->roughness = (float)(material->roughness * mean[1]);
-            material->metalness = (float)(material->metalness * mean[2]);
-        }
-        if (source->emissive == (int32_t)index) {
-            image_mean(image, 1, mean);
-            for (int c = 0; c < 3; c++)
-                material->emissive[c] = (float)(material->emissive[c] * mean[c]);
-        }
+static void multiply(float *values, size_t count, const double *by) {
+    for (size_t i = 0; i < count; i++)
+        values[i] = (float)((double)values[i] * by[i]);
+}
+
+/* Multiplies a material's factors by the mean of one of its maps. */
+static void apply_mean(gw_map map, const double mean[4], const double linear[4], gw_material *material,
+                       gw_material_extension *extension) {
+    switch (map) {
+    case GW_MAP_METALLIC_ROUGHNESS:
+        multiply(&material->roughness, 1, &mean[1]);
+        multiply(&material->metalness, 1, &mean[2]);
+        break;
+    case GW_MAP_EMISSIVE:
+        multiply(material->emissive, 3, linear);
+        break;
+    case GW_MAP_CLEARCOAT:
+        multiply(&extension->clearcoat, 1, &mean[0]);
+        break;
+    case GW_MAP_CLEARCOAT_ROUGHNESS:
+        multiply(&extension->clearcoat_roughness, 1, &mean[1]);
+        break;
+    case GW_MAP_SHEEN_COLOR:
+        multiply(extension->sheen_color, 3, linear);
+        break;
+    case GW_MAP_SHEEN_ROUGHNESS:
+        multiply(&extension->sheen_roughness, 1, &mean[3]);
+        break;
+    case GW_MAP_SPECULAR:
+        multiply(&extension->specular, 1, &mean[3]);
+        break;
+    case GW_MAP_SPECULAR_COLOR:
+        multiply(extension->specular_color, 3, linear);
+        break;
+    case GW_MAP_THICKNESS:
+        multiply(&extension->thickness, 1, &mean[1]);
+        break;
+    default: /* shown as they are, or converted */
+        break;
     }
 }
 
-static int is_base_color(const gw_source_model *model, uint32_t index) {
+static void apply_means(gw_source_model *model, uint32_t index, const gw_image *image) {
+    gw_scene *scene = model->scene;
+    double mean[4], linear[4];
+    image_mean(image, 0, mean);
+    image_mean(image, 1, linear);
+    for (uint32_t i = 0; i < scene->material_count; i++)
+        for (int map = 0; map < GW_MAP_COUNT; map++)
+            if (model->material_sources[i].maps[map] == (int32_t)index)
+                apply_mean((gw_map)map, mean, linear, &scene->materials[i],
+                           scene->extensions ? &scene->extensions[i] : NULL);
+}
+
+static int is_shown(const gw_source_model *model, uint32_t index) {
     for (uint32_t i = 0; i < model->scene->material_count; i++)
-        if (model->material_sources[i].base_color == (int32_t)index)
-            return 1;
+        for (int map = 0; map < GW_MAP_SHOWN_COUNT; map++)
+            if (model->material_sources[i].maps[map] == (int32_t)index)
+                return 1;
     return 0;
 }
 
@@ -157,7 +191,7 @@ static gw_code set_alpha_modes(gw_source_model *model, uint32_t index, const gw_
     const int alpha = image_has_alpha(image);
     for (uint32_t i = 0; i < model->scene->material_count; i++) {
         const gw_material_source *source = &model->material_sources[i];
-        if (!alpha || source->base_color != (int32_t)index || !source->alpha_from_texture)
+        if (!alpha || source->maps[GW_MAP_BASE_COLOR] != (int32_t)index || !source->alpha_from_texture)
             continue;
         model->scene->materials[i].alpha_mode = GW_ALPHA_MASK;
         gw_code code = gw_scene_note(model->scene, error,
@@ -167,6 +201,19 @@ static gw_code set_alpha_modes(gw_source_model *model, uint32_t index, const gw_
             return code;
     }
     return GW_OK;
+}
+
+/* Adds the picture, which it takes, to the scene's textures; there is room for it. Returns its index. */
+static int32_t add_texture(gw_scene *scene, const gw_texture_source *source, const char *name,
+                           gw_image *image) {
+    gw_texture *texture = &scene->textures[scene->texture_count];
+    snprintf(texture->name, sizeof texture->name, "%s", name);
+    texture->image = *image;
+    texture->wrap_u = source->wrap_u;
+    texture->wrap_v = source->wrap_v;
+    texture->nearest = source->nearest;
+    *image = (gw_image){0};
+    return (int32_t)scene->texture_count++;
 }
 
 /* Moves the picture to the scene's textures and points the materials there. */
@@ -179,30 +226,131 @@ static gw_code keep_texture(gw_source_model *model, uint32_t index, gw_image *im
                              image->width, image->height);
     if (code != GW_OK)
         return code;
-    gw_texture *texture = &scene->textures[scene->texture_count];
-    if (source->bytes)
-        snprintf(texture->name, sizeof texture->name, "embedded %u", index);
-    else
-        snprintf(texture->name, sizeof texture->name, "%s", source->path);
-    texture->image = *image;
-    texture->wrap_u = source->wrap_u;
-    texture->wrap_v = source->wrap_v;
-    *image = (gw_image){0};
+    char name[64];
+    snprintf(name, sizeof name, "embedded %u", index);
+    const int32_t texture = add_texture(scene, source, source->bytes ? name : source->path, image);
     for (uint32_t i = 0; i < scene->material_count; i++)
-        if (model->material_sources[i].base_color == (int32_t)index)
-            scene->materials[i].base_color_texture = (int32_t)scene->texture_count;
-    scene->texture_count++;
+        for (int map = 0; map < GW_MAP_SHOWN_COUNT; map++) {
+            gw_texture_use *use =
+                scene->extensions ? gw_texture_use_of(&scene->extensions[i], (gw_map)map) : NULL;
+            if (model->material_sources[i].maps[map] != (int32_t)index)
+                continue;
+            if (map == GW_MAP_BASE_COLOR)
+                scene->materials[i].base_color_texture = texture;
+            else if (use)
+                use->texture = texture;
+        }
     return GW_OK;
+}
+
+/* A material of specular-glossiness becomes one of metallic-roughness; with maps, in pictures of its own. */
+static gw_code convert_specular(gw_source_model *model, uint32_t m, const char *folder, gw_error *error) {
+    gw_material *material = &model->scene->materials[m];
+    gw_material_source *source = &model->material_sources[m];
+    const int32_t diffuse = source->maps[GW_MAP_BASE_COLOR];
+    const int32_t specular = source->maps[GW_MAP_SPECULAR_GLOSSINESS];
+    gw_image images[4] = {{0}}; /* diffuse, specular, base colour, metallic-roughness */
+    gw_code code = GW_OK;
+    if (source->specular[3] < 0.0f)
+        return GW_OK;
+    if (diffuse < 0 && specular < 0) {
+        const float color[3] = {material->base_color[0], material->base_color[1], material->base_color[2]};
+        material->metalness = gw_specular_to_metal(color, source->specular, material->base_color);
+        return GW_OK;
+    }
+    if (diffuse >= 0)
+        code = load_source(model, (uint32_t)diffuse, folder, &images[0], error);
+    if (code == GW_OK && specular >= 0)
+        code = load_source(model, (uint32_t)specular, folder, &images[1], error);
+    if (code == GW_OK)
+        code = gw_specular_pictures(diffuse >= 0 ? &images[0] : NULL, material->base_color,
+                                    specular >= 0 ? &images[1] : NULL, source->specular, &images[2],
+                                    &images[3], error);
+    if (code == GW_OK) {
+        const gw_texture_source *from = &model->sources[diffuse >= 0 ? diffuse : specular];
+        gw_material_extension *extension = &model->scene->extensions[m];
+        double mean[4];
+        image_mean(&images[3], 0, mean);
+        material->roughness = (float)mean[1];
+        material->metalness = (float)mean[2];
+        extension->roughness = extension->metalness = 1.0f;
+        for (int i = 0; i < 3; i++)
+            material->base_color[i] = 1.0f;
+        material->base_color_texture = add_texture(model->scene, from, "converted base colour", &images[2]);
+        extension->metallic_roughness.texture =
+            add_texture(model->scene, from, "converted metallic-roughness", &images[3]);
+        source->maps[GW_MAP_BASE_COLOR] = source->maps[GW_MAP_SPECULAR_GLOSSINESS] = -1;
+    }
+    for (int i = 0; i < 4; i++)
+        gw_image_finish(&images[i]);
+    return code;
+}
+
+/* Room for every source, and for what is converted of each material. */
+static gw_code make_room(gw_source_model *model, gw_error *error) {
+    gw_scene *scene = model->scene;
+    return gw_allocate((void **)&scene->textures, model->source_count + 2 * (size_t)scene->material_count,
+                       sizeof *scene->textures, "textures", error);
+}
+
+/* The extensions that hold what maps need: MTL names maps, and a conversion makes one. */
+static gw_code extend_for_maps(gw_source_model *model, gw_error *error) {
+    gw_scene *scene = model->scene;
+    gw_code code = GW_OK;
+    for (uint32_t i = 0; code == GW_OK && i < scene->material_count; i++) {
+        const gw_material_source *source = &model->material_sources[i];
+        int needed = source->specular[3] >= 0.0f && source->maps[GW_MAP_BASE_COLOR] >= 0;
+        for (int map = GW_MAP_METALLIC_ROUGHNESS; map < GW_MAP_COUNT; map++)
+            needed = needed || source->maps[map] >= 0;
+        if (needed)
+            code = gw_scene_extend_materials(scene, error);
+        if (code == GW_OK && source->maps[GW_MAP_EMISSIVE] >= 0)
+            memcpy(scene->extensions[i].emissive, scene->materials[i].emissive,
+                   sizeof scene->extensions[i].emissive);
+    }
+    return code;
+}
+
+/* Whether the pixels are normals of tangent space: blue, and straight up on average. */
+static int shows_normals(const gw_image *image) {
+    double mean[4];
+    image_mean(image, 0, mean);
+    return fabs(mean[0] - 0.5) < 0.1 && fabs(mean[1] - 0.5) < 0.1 && mean[2] > 0.7;
+}
+
+/* MTL's bump: drawn if it is a normal map; one of heights, or one that is not there, is named. */
+static gw_code settle_bump(gw_source_model *model, uint32_t m, const char *folder, gw_error *error) {
+    gw_material_source *source = &model->material_sources[m];
+    const int32_t index = source->maps[GW_MAP_NORMAL];
+    gw_image image = {0};
+    gw_error why = {0};
+    if (!source->normal_may_be_height || index < 0)
+        return GW_OK;
+    const gw_code code = load_source(model, (uint32_t)index, folder, &image, &why);
+    const int normals = code == GW_OK && shows_normals(&image);
+    gw_image_finish(&image);
+    if (normals)
+        return GW_OK;
+    source->maps[GW_MAP_NORMAL] = -1;
+    return code == GW_OK ? gw_scene_note(model->scene, error,
+                                         "material '%s': its bump map holds heights and is not carried",
+                                         model->scene->materials[m].name)
+                         : gw_scene_note(model->scene, error, "its bump map is left out: %s", why.text);
 }
 
 gw_code gw_import_textures(gw_source_model *model, const char *path, const gw_log *log, gw_error *error) {
     char *folder = gw_path_folder(path);
     if (!folder)
         return gw_fail(error, GW_MACHINE, "out of memory for a file name");
-    gw_code code = gw_allocate((void **)&model->scene->textures, model->source_count,
-                               sizeof *model->scene->textures, "textures", error);
+    gw_code code = make_room(model, error);
     if (code == GW_OK)
         code = forget_unused(model, error);
+    for (uint32_t i = 0; code == GW_OK && i < model->scene->material_count; i++)
+        code = settle_bump(model, i, folder, error);
+    if (code == GW_OK)
+        code = extend_for_maps(model, error);
+    for (uint32_t i = 0; code == GW_OK && i < model->scene->material_count; i++)
+        code = convert_specular(model, i, folder, error);
     for (uint32_t i = 0; code == GW_OK && i < model->source_count; i++) {
         gw_image image = {0};
         if (!user_of(model, i))
@@ -211,7 +359,7 @@ gw_code gw_import_textures(gw_source_model *model, const char *path, const gw_lo
         code = load_source(model, i, folder, &image, error);
         if (code == GW_OK) {
             apply_means(model, i, &image);
-            if (is_base_color(model, i))
+            if (is_shown(model, i))
                 code = keep_texture(model, i, &image, error);
         }
         gw_image_finish(&image);

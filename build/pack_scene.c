@@ -32,7 +32,7 @@ typedef enum section {
 typedef struct packed_texture {
     char name[256];
     uint32_t width, height;
-    int32_t wrap_u, wrap_v;
+    int32_t wrap_u, wrap_v, nearest, unused;
     uint64_t offset; /* into PIXELS */
 } packed_texture;
 
@@ -126,6 +126,7 @@ static void put_textures(void *block_bytes, const header *head, const gw_scene *
         to->height = from->image.height;
         to->wrap_u = (int32_t)from->wrap_u;
         to->wrap_v = (int32_t)from->wrap_v;
+        to->nearest = from->nearest;
         to->offset = offset;
         memcpy(pixels + offset, from->image.rgba, texture_bytes(from));
         offset += gw_block_align(texture_bytes(from));
@@ -217,6 +218,7 @@ static gw_code view_textures(uint8_t *block, const header *head, gw_unpacked_sce
                                .rgba = block + head->sections[PIXELS].offset + from[i].offset};
         to->wrap_u = (gw_wrap)from[i].wrap_u;
         to->wrap_v = (gw_wrap)from[i].wrap_v;
+        to->nearest = from[i].nearest;
     }
     out->scene.textures = out->textures;
     return GW_OK;

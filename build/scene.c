@@ -105,8 +105,8 @@ static gw_hash hash_appearance(gw_hash hash, const gw_scene *scene) {
         hash = gw_hash_bytes(hash, scene->extensions, scene->material_count * sizeof(gw_material_extension));
     for (uint32_t i = 0; i < scene->texture_count; i++) {
         const gw_texture *texture = &scene->textures[i];
-        const uint32_t words[4] = {texture->image.width, texture->image.height, (uint32_t)texture->wrap_u,
-                                   (uint32_t)texture->wrap_v};
+        const uint32_t words[5] = {texture->image.width, texture->image.height, (uint32_t)texture->wrap_u,
+                                   (uint32_t)texture->wrap_v, (uint32_t)texture->nearest};
         hash = gw_hash_bytes(hash, words, sizeof words);
         hash = gw_hash_bytes(hash, texture->image.rgba, (size_t)words[0] * words[1] * 4);
     }

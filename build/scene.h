@@ -69,8 +69,9 @@ typedef struct gw_material_extension {
 
 typedef struct gw_texture {
     char name[256];
-    gw_image image; /* sRGB-encoded colour, straight alpha */
+    gw_image image; /* sRGB-encoded colour, straight alpha; or linear data, as its users say */
     gw_wrap wrap_u, wrap_v;
+    int32_t nearest; /* 1: its texels are shown as squares where they are enlarged */
 } gw_texture;
 
 typedef enum gw_light_kind {

@@ -23,6 +23,30 @@ gw_code gw_source_model_create(gw_source_model **out, gw_error *error) {
     return GW_OK;
 }
 
+gw_material_source gw_material_source_none(void) {
+    gw_material_source none = {.file_index = -1, .specular = {-1, -1, -1, -1}};
+    for (int i = 0; i < GW_MAP_COUNT; i++)
+        none.maps[i] = -1;
+    return none;
+}
+
+gw_texture_use *gw_texture_use_of(gw_material_extension *extension, gw_map map) {
+    switch (map) {
+    case GW_MAP_METALLIC_ROUGHNESS:
+        return &extension->metallic_roughness;
+    case GW_MAP_EMISSIVE:
+        return &extension->emissive_map;
+    case GW_MAP_NORMAL:
+        return &extension->normal;
+    case GW_MAP_OCCLUSION:
+        return &extension->occlusion;
+    case GW_MAP_TRANSMISSION:
+        return &extension->transmission_map;
+    default:
+        return NULL;
+    }
+}
+
 void gw_source_model_drop_sources(gw_source_model *model) {
     for (uint32_t i = 0; model->sources && i < model->source_count; i++) {
         free(model->sources[i].path);
@@ -102,6 +126,14 @@ static void transform_lights(gw_scene *scene, const double m[3][4], double scale
     }
 }
 
+static void transform_volumes(gw_scene *scene, double scale) {
+    for (uint32_t i = 0; scene->extensions && i < scene->material_count; i++) {
+        gw_material_extension *e = &scene->extensions[i];
+        e->thickness = (float)fmin(e->thickness * scale, 1e30);
+        e->attenuation_distance = (float)fmin(e->attenuation_distance * scale, 1e30);
+    }
+}
+
 gw_code gw_source_model_transform(gw_source_model *model, const double m[3][4], gw_error *error) {
     gw_scene *scene = model->scene;
     const double volume = gw_matrix_determinant(m);
@@ -123,6 +155,7 @@ gw_code gw_source_model_transform(gw_source_model *model, const double m[3][4], 
             scene->triangles[i][2] = swap;
         }
     transform_lights(scene, m, cbrt(fabs(volume)));
+    transform_volumes(scene, cbrt(fabs(volume)));
     for (uint32_t i = 0; i < scene->viewpoint_count; i++) {
         gw_matrix_point(m, scene->viewpoints[i].eye, scene->viewpoints[i].eye);
         gw_matrix_point(m, scene->viewpoints[i].look_at, scene->viewpoints[i].look_at);
@@ -204,12 +237,11 @@ static void shift_indices(gw_scene *scene, uint32_t vertices, uint32_t materials
         if (scene->materials[i].base_color_texture >= 0)
             scene->materials[i].base_color_texture += (int32_t)textures;
     for (uint32_t i = 0; scene->extensions && i < scene->material_count; i++) {
-        gw_material_extension *e = &scene->extensions[i];
-        gw_texture_use *uses[] = {&e->normal, &e->metallic_roughness, &e->occlusion, &e->emissive_map,
-                                  &e->transmission_map};
-        for (size_t k = 0; k < sizeof uses / sizeof *uses; k++)
-            if (uses[k]->texture >= 0)
-                uses[k]->texture += (int32_t)textures;
+        for (int map = 0; map < GW_MAP_COUNT; map++) {
+            gw_texture_use *use = gw_texture_use_of(&scene->extensions[i], (gw_map)map);
+            if (use && use->texture >= 0)
+                use->texture += (int32_t)textures;
+        }
     }
 }
 

@@ -18,17 +18,44 @@ typedef struct gw_texture_source {
     size_t size;
     uint32_t raw_width, raw_height; /* > 0: bytes are RGBA pixels */
     gw_wrap wrap_u, wrap_v;
+    int32_t nearest; /* 1: not interpolated where it is enlarged */
+    int32_t image;   /* place in the glTF file's list, -1 when unknown */
 } gw_texture_source;
 
-/* What a material says beyond gw_material; indices into sources, -1 for none. */
+/* Pictures that a material may name. Those up to GW_MAP_SHOWN_COUNT are shown; of the others the mean is
+ * used, but for specular-glossiness, which is converted together with the base colour. */
+typedef enum gw_map {
+    GW_MAP_BASE_COLOR,
+    GW_MAP_METALLIC_ROUGHNESS, /* green: roughness, blue: metalness */
+    GW_MAP_EMISSIVE,
+    GW_MAP_NORMAL,
+    GW_MAP_OCCLUSION,    /* red */
+    GW_MAP_TRANSMISSION, /* red */
+    GW_MAP_SHOWN_COUNT,
+    GW_MAP_SPECULAR_GLOSSINESS = GW_MAP_SHOWN_COUNT, /* sRGB specular colour; alpha: glossiness */
+    GW_MAP_CLEARCOAT,                                /* red */
+    GW_MAP_CLEARCOAT_ROUGHNESS,                      /* green */
+    GW_MAP_SHEEN_COLOR,                              /* sRGB */
+    GW_MAP_SHEEN_ROUGHNESS,                          /* alpha */
+    GW_MAP_SPECULAR,                                 /* alpha */
+    GW_MAP_SPECULAR_COLOR,                           /* sRGB */
+    GW_MAP_THICKNESS,                                /* green */
+    GW_MAP_COUNT
+} gw_map;
+
+/* What a material says beyond gw_material. */
 typedef struct gw_material_source {
-    int32_t file_index; /* place in the glTF file's list, -1 when unknown */
-    int32_t base_color;
-    int32_t metallic_roughness; /* green: roughness, blue: metalness; only its mean is used */
-    int32_t emissive;           /* only its mean is used */
+    int32_t file_index;         /* place in the glTF file's list, -1 when unknown */
+    int32_t maps[GW_MAP_COUNT]; /* indices into sources, -1 for none */
     int32_t
         alpha_from_texture; /* 1: the file names no alpha mode; take MASK if the texture has alpha (MTL) */
+    int32_t normal_may_be_height; /* 1: MTL's bump: a normal map or one of heights, as its pixels tell */
+    float specular[4]; /* of specular-glossiness: linear colour at 0 degrees, glossiness; below 0: none */
 } gw_material_source;
+
+gw_material_source gw_material_source_none(void);
+/* Where an extension keeps a map's use; NULL for those that it has none of. */
+gw_texture_use *gw_texture_use_of(gw_material_extension *extension, gw_map map);
 
 /* Vertices that came from one primitive under one node of a glTF file, in the file's order. */
 typedef struct gw_vertex_span {

@@ -34,7 +34,15 @@ static inline gw_source_model *test_model(void) {
                                               .alpha_mode = GW_ALPHA_BLEND,
                                               .two_sided = 1,
                                               .base_color_texture = -1}};
-    static const gw_material_source material_sources[2] = {{3, 0, -1, -1, 1}, {-1, 1, 0, -1, 0}};
+    gw_material_source material_sources[2] = {gw_material_source_none(), gw_material_source_none()};
+    material_sources[0].file_index = 3;
+    material_sources[0].maps[GW_MAP_BASE_COLOR] = 0;
+    material_sources[0].alpha_from_texture = 1;
+    material_sources[1].maps[GW_MAP_BASE_COLOR] = 1;
+    material_sources[1].maps[GW_MAP_NORMAL] = 0;
+    material_sources[1].normal_may_be_height = 1;
+    gw_material_extension extensions[2] = {gw_material_extension_none(), gw_material_extension_none()};
+    extensions[1].ior = 1.25f;
     static const gw_light light = {.kind = GW_LIGHT_POINT, .vector = {1, 2, 3}, .color = {4, 5, 6}};
     static const gw_viewpoint view = {"door", {0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 40};
     static const uint8_t pixels[8] = {1, 2, 3, 4, 5, 6, 7, 8};
@@ -48,6 +56,8 @@ static inline gw_source_model *test_model(void) {
     model->world = test_copy(world, sizeof world);
     scene->normals = test_copy(normals, sizeof normals);
     scene->texcoords = test_copy(texcoords, sizeof texcoords);
+    scene->second_texcoords = test_copy(texcoords, sizeof texcoords);
+    scene->extensions = test_copy(extensions, sizeof extensions);
     scene->colors = test_copy(colors, sizeof colors);
     scene->triangles = test_copy(triangles, sizeof triangles);
     scene->material_of = test_copy(material_of, sizeof material_of);

@@ -18,6 +18,8 @@ static void carries_everything(void **state) {
     assert_memory_equal(sent->world, parsed->world, 4 * 24);
     assert_memory_equal(a->normals, b->normals, 4 * 12);
     assert_memory_equal(a->texcoords, b->texcoords, 4 * 8);
+    assert_memory_equal(a->second_texcoords, b->second_texcoords, 4 * 8);
+    assert_memory_equal(a->extensions, b->extensions, 2 * sizeof *a->extensions);
     assert_memory_equal(a->colors, b->colors, 4 * 4);
     assert_memory_equal(a->triangles, b->triangles, 2 * 12);
     assert_memory_equal(a->material_of, b->material_of, 2 * 4);
@@ -98,10 +100,21 @@ static void refuses_materials_without_sense(void **state) {
     }
     size_t size = 0;
     gw_source_model *model = test_model(), *parsed = NULL;
-    model->material_sources[0].base_color = 2;
+    model->material_sources[0].maps[GW_MAP_BASE_COLOR] = 2;
     uint8_t *bytes = test_stream(model, &size);
     check_fails(gw_model_stream_read(bytes, size, &parsed, &error), GW_BAD_INPUT,
                 "texture that is not there");
+    free(bytes);
+    gw_source_model_destroy(&model);
+}
+
+static void refuses_extensions_without_sense(void **state) {
+    (void)state;
+    size_t size = 0;
+    gw_source_model *model = test_model(), *parsed = NULL;
+    model->scene->extensions[1].ior = 0.5f;
+    uint8_t *bytes = test_stream(model, &size);
+    check_fails(gw_model_stream_read(bytes, size, &parsed, &error), GW_BAD_INPUT, "a material's extension");
     free(bytes);
     gw_source_model_destroy(&model);
 }
@@ -148,6 +161,7 @@ int main(void) {
         cmocka_unit_test(refuses_every_cut),
         cmocka_unit_test(refuses_counts_beyond_the_bytes),
         cmocka_unit_test(refuses_materials_without_sense),
+        cmocka_unit_test(refuses_extensions_without_sense),
         cmocka_unit_test(survives_mutations),
     };
     return cmocka_run_group_tests_name("import_stream", tests, NULL, NULL);

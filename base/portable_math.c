@@ -88,3 +88,11 @@ double gw_acos(double cosine) {
     double c = cosine < -1.0 ? -1.0 : cosine > 1.0 ? 1.0 : cosine;
     return 2.0 * gw_atan2(sqrt(1.0 - c), sqrt(1.0 + c));
 }
+
+double gw_exp2(double exponent) {
+    const double ln2 = 0.69314718055994530942, whole = floor(exponent + 0.5), x = (exponent - whole) * ln2;
+    double sum = 1;
+    for (int i = 15; i > 0; i--)
+        sum = 1 + sum * x / i; /* Taylor's series; |x| <= 0.35 */
+    return ldexp(sum, (int)whole);
+}

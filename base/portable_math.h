@@ -1,4 +1,4 @@
-/* Sine, cosine and arc tangent with the same bits on every machine.
+/* Sine, cosine, arc tangent and powers of two with the same bits on every machine.
  *
  * libm's versions differ in the last bit between libraries and processors (variants with fused multiply-add
  * are chosen at run time); what is made by formula and hashed - the demo scene, the demo track - must not.
@@ -14,6 +14,7 @@
 double gw_sin(double radians);
 double gw_cos(double radians);
 double gw_atan2(double y, double x); /* -pi..pi; 0 for (0, 0) */
+double gw_exp2(double exponent);     /* relative error below 4e-16 for exponents within 1000 */
 double gw_acos(double cosine);       /* 0..pi; arguments beyond -1..1 are clamped */
 
 #endif

@@ -83,6 +83,10 @@ void gw_setting_text(const gw_settings *settings, const gw_setting_row *row, cha
         break;
     case GW_SETTING_INTEGER:
     case GW_SETTING_REAL:
+        if (isinf(value)) {
+            snprintf(text, 64, "%s", row->choices);
+            break;
+        }
         if (value == floor(value) && fabs(value) < 1e15) {
             snprintf(text, 64, "%.0f", value);
             break;
@@ -126,12 +130,17 @@ static int parse_choice(const char *choices, const char *text, double *value) {
 }
 
 static gw_code assign_number(const gw_setting_row *row, const char *text, double *value, gw_error *error) {
+    if (row->choices[0] && strcmp(text, row->choices) == 0) {
+        *value = GW_SETTING_AUTO;
+        return GW_OK;
+    }
     /* Plain decimals only: strtod alone would take hexadecimal, infinities and leading blanks. */
     int plain = text[0] != '\0' && strspn(text, "0123456789+-.eE") == strlen(text);
     char *end = NULL;
     *value = plain ? strtod(text, &end) : 0;
     if (!plain || *end != '\0') {
-        return gw_fail(error, GW_BAD_INPUT, "setting '%s': '%s' is not a number", row->name, text);
+        return gw_fail(error, GW_BAD_INPUT, "setting '%s': '%s' is not a number%s%s", row->name, text,
+                       row->choices[0] ? " nor " : "", row->choices);
     }
     if (row->kind == GW_SETTING_INTEGER && *value != floor(*value)) {
         return gw_fail(error, GW_BAD_INPUT, "setting '%s': '%s' is not a whole number", row->name, text);

@@ -10,13 +10,15 @@
 
 #include "base/status.h"
 
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 
 /* GW_ROW(field, kind, default, minimum, maximum, choices, stage, unit, trades, reference, help)
- * kind: REAL, INTEGER, SWITCH (0 or 1) or CHOICE (index into choices, "a|b|c").
+ * kind: REAL, INTEGER, SWITCH (0 or 1) or CHOICE (index into choices, "a|b|c"). A REAL row whose choices are
+ * "auto" also takes that word, which is stored as GW_SETTING_AUTO.
  * stage: BUILD (changes the octree's bytes), FRAME (travels in the frame state), TRACK (changes what rank 0
- * puts into it: eyes and gazes). */
+ * puts into it: eyes, gazes, automatic exposure). */
 /* clang-format off */
 #define GW_SETTINGS_TABLE(GW_ROW)                                                                                     \
     GW_ROW(outlier_extents, REAL, 1e6, 0.0, 1e30, "", BUILD, "extents", "far triangles against a scene shrunk to a point",    \
@@ -115,6 +117,16 @@
            "secondary rays one behind the other; what lies beyond the last shows the light from everywhere")            \
     GW_ROW(least_throughput, REAL, 0.015625, 0.0, 1.0, "", FRAME, "", "faint reflections against rays", "0",               \
            "a secondary ray is traced where 1 + tau times this share of a pixel may depend on it")                       \
+    GW_ROW(exposure, REAL, 0.0, -24.0, 24.0, "auto", FRAME, "stops", "detail in the dark against detail in the light", "0", \
+           "light is multiplied by 2 to the power of this; auto: so that the mean of the picture comes to exposure_key") \
+    GW_ROW(tone, CHOICE, 0, 0, 1, "linear|filmic", FRAME, "", "highlights that are cut off against colours as they are", "linear", \
+           "curve from light to the screen: cut off at 1, or a shoulder for what is brighter (Narkowicz 2016)")          \
+    GW_ROW(dither, SWITCH, 0, 0, 1, "", FRAME, "", "bands in smooth shades against noise of half a code", "off",            \
+           "a fixed pattern on the wall decides which way a pixel is rounded to 8 bits")                                 \
+    GW_ROW(exposure_key, REAL, 0.18, 0.01, 1.0, "", TRACK, "", "a dark picture against a pale one", "0.18",                \
+           "exposure=auto: what the mean of the picture's log-luminance is brought to")                                  \
+    GW_ROW(exposure_speed, REAL, 3.0, 0.01, 1000.0, "", TRACK, "stops/s", "eyes that wait against a picture that pumps", "1000", \
+           "exposure=auto: most by which exposure moves in a second of the frames' time")                                \
     GW_ROW(head_filter, CHOICE, 0, 0, 2, "none|one-euro|kalman", TRACK, "", "shaking heads against late ones", "none",        \
            "how the eyes' places are smoothed; one-euro and kalman also steady the heads' turns")                        \
     GW_ROW(head_cutoff, REAL, 2.0, 0.05, 1000.0, "", TRACK, "Hz", "shaking heads against late ones", "1000",              \
@@ -178,6 +190,8 @@ typedef enum gw_setting_kind {
     GW_SETTING_CHOICE
 } gw_setting_kind;
 typedef enum gw_setting_stage { GW_SETTING_BUILD, GW_SETTING_FRAME, GW_SETTING_TRACK } gw_setting_stage;
+#define GW_SETTING_AUTO ((double)INFINITY)
+enum { GW_TONE_LINEAR, GW_TONE_FILMIC };
 enum { GW_HEAD_NONE, GW_HEAD_ONE_EURO, GW_HEAD_KALMAN };
 enum { GW_PAYLOAD_AREA, GW_PAYLOAD_SEED };
 enum { GW_GEOMETRY_HYBRID, GW_GEOMETRY_TRIANGLES, GW_GEOMETRY_VOXELS };

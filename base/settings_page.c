@@ -25,7 +25,7 @@ static void write_range(FILE *page, const gw_setting_row *row) {
             }
         }
     } else {
-        fprintf(page, "%g to %g", row->minimum, row->maximum);
+        fprintf(page, "%g to %g%s%s", row->minimum, row->maximum, row->choices[0] ? ", " : "", row->choices);
     }
 }
 
@@ -60,8 +60,11 @@ char *gw_settings_page(void) {
     fprintf(page, "\n## Of a frame\n\nThey travel in the frame state, are recorded with it and repeated by "
                   "replay.\n\n");
     write_stage(page, &defaults, GW_SETTING_FRAME);
-    fprintf(page, "\n## Of tracking\n\nThey change what rank 0 puts into the frame state: eyes and gazes "
-                  "([tracking.md](tracking.md)). A recorded frame state holds what came of them.\n\n");
+    fprintf(
+        page,
+        "\n## Of what rank 0 decides\n\nThey change what rank 0 puts into the frame state: eyes and gazes "
+        "([tracking.md](tracking.md)), and automatic exposure ([rendering.md](rendering.md#tone)). A "
+        "recorded frame state holds what came of them.\n\n");
     write_stage(page, &defaults, GW_SETTING_TRACK);
     if (fclose(page) != 0) {
         free(text);

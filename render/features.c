@@ -28,6 +28,11 @@ const gw_feature_row gw_feature_rows[] = {
     {GW_FEATURE_SHADOWS, "shadows", "SHADOWS", "the scene has no light that could cast any"},
     {GW_FEATURE_MIRROR, "mirror", "MIRROR",
      "no material in use is a perfect mirror: metalness 1, roughness at most mirror_roughness"},
+    {GW_FEATURE_TONE, "tone", "TONE", "tone is linear"},
+    {GW_FEATURE_EXPOSURE, "exposure", "EXPOSURE", "exposure is 0 stops"},
+    {GW_FEATURE_DITHER, "dither", "DITHER", "dither is off"},
+    {GW_FEATURE_METERING, "metering", "METERING",
+     "exposure is not auto, so nobody asks how bright the picture is"},
 };
 const size_t gw_feature_count = sizeof gw_feature_rows / sizeof gw_feature_rows[0];
 
@@ -100,6 +105,15 @@ gw_features gw_features_of_scene(const gw_scene *scene, const gw_octree *octree,
     return bits;
 }
 
+/* Debug views show numbers as colours, which no curve may touch. */
+static gw_features features_of_tone(const gw_frame_state *state) {
+    if (state->debug != GW_DEBUG_NONE)
+        return 0;
+    return (state->tone != GW_TONE_LINEAR ? GW_FEATURE_TONE : 0) |
+           (state->exposure != 0.0f || state->metering ? GW_FEATURE_EXPOSURE : 0) |
+           (state->dither ? GW_FEATURE_DITHER : 0) | (state->metering ? GW_FEATURE_METERING : 0);
+}
+
 gw_features gw_features_of_frame(const gw_frame_state *state, uint32_t viewers, gw_features scene_features) {
     gw_features bits = 0;
     float coarsest = viewers > 0 && state->tau > state->tau_inside ? state->tau : state->tau_inside;
@@ -114,7 +128,7 @@ gw_features gw_features_of_frame(const gw_frame_state *state, uint32_t viewers, 
         bits |= GW_FEATURE_SPARSE;
     if (state->accumulate > 1 || state->epoch > 0)
         bits |= GW_FEATURE_ACCUMULATE;
-    return bits;
+    return bits | features_of_tone(state);
 }
 
 uint32_t gw_kernel_fragments(const gw_kernel_key *key) {

@@ -39,13 +39,21 @@ typedef uint64_t gw_features;
 #define GW_FEATURE_SPECULAR GW_FEATURE_BIT(20) /* reflectance of dielectrics other than 0.04 */
 #define GW_FEATURE_UNLIT GW_FEATURE_BIT(21)
 #define GW_FEATURE_SPOT_LIGHTS GW_FEATURE_BIT(25) /* lights with a cone or a range */
+#define GW_FEATURE_TONE GW_FEATURE_BIT(40)         /* a curve other than linear */
+#define GW_FEATURE_EXPOSURE GW_FEATURE_BIT(41)     /* light is multiplied before the curve */
+#define GW_FEATURE_DITHER GW_FEATURE_BIT(42)       /* rounding to 8 bits by a pattern */
+#define GW_FEATURE_METERING GW_FEATURE_BIT(45)     /* the picture's light is counted */
 #define GW_ALL_FEATURES UINT64_MAX
 
 /* What makes fragments ask for secondary rays. */
 #define GW_SECONDARY_FEATURES GW_FEATURE_MIRROR
 
 /* What frames decide, not the scene. */
-#define GW_FRAME_FEATURES (GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_SPARSE | GW_FEATURE_ACCUMULATE)
+#define GW_FRAME_FEATURES                                                                                    \
+    (GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_SPARSE | GW_FEATURE_ACCUMULATE | GW_TONE_FEATURES)
+
+/* What makes a pixel of linear light: kernels that store none do without. */
+#define GW_TONE_FEATURES (GW_FEATURE_TONE | GW_FEATURE_EXPOSURE | GW_FEATURE_DITHER | GW_FEATURE_METERING)
 
 typedef struct gw_feature_row {
     gw_features bit;
@@ -92,7 +100,7 @@ typedef struct gw_kernel_key {
 enum { GW_LOD_FRAGMENTS = 8 }; /* what one dispatch may meet along one ray before the ray is suspended */
 
 uint32_t gw_kernel_fragments(const gw_kernel_key *key); /* of one ray */
-/* "#define ..." lines for the kernel; size is that of text, 1024 suffices. */
+/* "#define ..." lines for the kernel; size is that of text, 2048 suffices. */
 gw_code gw_kernel_defines(const gw_kernel_key *key, char *text, size_t size, gw_error *error);
 
 #endif

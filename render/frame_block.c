@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-_Static_assert(sizeof(gw_frame_block) == 16 * (32 + 4 * GW_MAXIMUM_VIEWERS), "std140 rows without holes");
+_Static_assert(sizeof(gw_frame_block) == 16 * (33 + 4 * GW_MAXIMUM_VIEWERS), "std140 rows without holes");
 
 /* Smallest resolvable period at the centre of gaze, degrees (60 cycles per degree would be 1/60; 1/48 is the
  * value of Guenter et al., Foveated 3D Graphics, 2012). */
@@ -91,6 +91,10 @@ static gw_code check(const gw_plane *plane, const gw_frame_state *state, gw_erro
         state->voxel_slab,    state->voxel_flatness, state->fold_agreement,    state->least_remainder,
         state->separated_tau, state->gaze_footprint, state->edge_depth,        state->edge_normal,
         state->shadow_tau,    state->seed_distance,  state->mirror_roughness,  state->least_throughput};
+    if (!(fabsf(state->exposure) <= 64.0f))
+        return gw_fail(error, GW_BAD_INPUT,
+                       "frame %u: exposure is %g; it must be a number from -64 to 64 stops", state->frame,
+                       (double)state->exposure);
     for (size_t i = 0; i < sizeof knobs / sizeof knobs[0]; ++i)
         if (!isfinite(knobs[i]) || knobs[i] < 0.0f)
             return gw_fail(error, GW_BAD_INPUT,
@@ -156,6 +160,13 @@ void gw_frame_block_set_sample(const gw_frame_state *state, uint32_t number, gw_
     block->corner[3] = (float)sqrt(1.0 / samples);
 }
 
+static void fill_tone(const gw_frame_state *state, gw_frame_block *block) {
+    const int shown = state->debug == GW_DEBUG_NONE; /* else colours are numbers */
+    block->tone[0] = shown ? (float)gw_exp2((double)state->exposure) : 1.0f;
+    block->tone[1] = shown && state->tone == GW_TONE_FILMIC ? 1.0f : 0.0f;
+    block->tone[2] = shown && state->dither ? 1.0f : 0.0f;
+}
+
 static void fill_scene(const gw_scene *scene, const gw_octree *octree, gw_frame_block *block) {
     for (int i = 0; i < 3; ++i) {
         block->background[i] = scene->background[i];
@@ -175,6 +186,7 @@ gw_code gw_frame_block_fill(const gw_scene *scene, const gw_octree *octree, cons
         return code;
     memset(block, 0, sizeof *block);
     fill_scene(scene, octree, block);
+    fill_tone(state, block);
 
     double eye[3], corner[3];
     gw_wall_to_rebased(placement, scene, state->eye, eye);

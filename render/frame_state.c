@@ -39,6 +39,10 @@ void gw_frame_state_apply(gw_frame_state *state, const gw_settings *settings) {
     state->triangle_precision = (uint8_t)settings->triangle_precision;
     state->accumulate = (uint16_t)settings->accumulate;
     state->strain = (float)settings->strain;
+    state->metering = settings->exposure == GW_SETTING_AUTO;
+    state->exposure = state->metering ? 0.0f : (float)settings->exposure;
+    state->tone = (uint8_t)settings->tone;
+    state->dither = (uint8_t)settings->dither;
 }
 
 gw_frame_state gw_frame_state_in_force(const gw_frame_state *state) {
@@ -59,6 +63,8 @@ gw_frame_state gw_frame_state_view(const gw_frame_state *state, int scene_moves)
     gw_frame_state view = *state;
     view.frame = view.epoch = 0;
     view.accumulate = 0;
+    view.exposure = 0.0f;
+    view.tone = view.dither = view.metering = 0;
     if (!scene_moves)
         view.time = 0;
     for (uint32_t i = 0; i < GW_MAXIMUM_VIEWERS; ++i) {

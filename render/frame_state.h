@@ -59,10 +59,15 @@ typedef struct gw_frame_state {
     float eye_offset[3];
     /* Navigation: wall mm per scene metre. 0: as the scene is placed by a viewpoint, or true to scale. */
     float scene_scale;
+    /* From the light of the pixels to the codes of the screen, which the samples do not depend on. */
+    float exposure;        /* stops: what was set, or what rank 0 decided */
+    uint8_t tone, dither;  /* knobs as above */
+    uint8_t metering;      /* 1: tiles tell how bright their pixels are, for exposure=auto */
+    uint8_t reserved_tone; /* 0 */
 } gw_frame_state;
 #pragma GCC diagnostic pop
 _Static_assert(offsetof(gw_frame_state, seed) == offsetof(gw_frame_state, samples) + sizeof(uint8_t) &&
-                   offsetof(gw_frame_state, scene_scale) + sizeof(float) == sizeof(gw_frame_state),
+                   offsetof(gw_frame_state, reserved_tone) + sizeof(uint8_t) == sizeof(gw_frame_state),
                "no holes for compilers that know no -Wpadded either: after the bytes, and at the end");
 _Static_assert(sizeof(gw_frame_state) < 512, "the frame state travels in one small message");
 
@@ -95,8 +100,9 @@ void gw_frame_state_apply(gw_frame_state *state, const gw_settings *settings);
 gw_frame_state gw_frame_state_in_force(const gw_frame_state *state);
 
 /* What the samples of a frame depend on, in one form: two states with equal bytes of it show the same view,
- * to the bit. Without what only names the frame (number, epoch, accumulate), without the time unless the
- * scene moves, and of the gaze's age and confidence only what changes pixels. */
+ * to the bit. Without what only names the frame (number, epoch, accumulate), without what makes codes of
+ * light (exposure, tone, dither), without the time unless the scene moves, and of the gaze's age and
+ * confidence only what changes pixels. */
 gw_frame_state gw_frame_state_view(const gw_frame_state *state, int scene_moves);
 
 #endif

@@ -101,6 +101,7 @@ void gw_renderer_destroy(gw_renderer **renderer) {
     gw_scene_buffers_finish(&r->buffers);
     gw_moving_destroy(&r->moving);
     gw_gl_buffer_finish(&r->totals);
+    gw_gl_buffer_finish(&r->luminances);
     gw_gl_buffer_finish(&r->frame);
     gw_gl_buffer_finish(&r->given_rays);
     gw_gl_buffer_finish(&r->found_hits);
@@ -253,7 +254,7 @@ gw_code gw_ray_buffers_add_work(const gw_ray_buffers *rays, size_t slots, gw_cou
 
 gw_code gw_renderer_kernel(gw_renderer *renderer, const char *name, const gw_kernel_key *key,
                            const char *more_defines, GLuint *out, gw_error *error) {
-    char defines[1024];
+    char defines[2048];
     gw_code code = gw_kernel_defines(key, defines, sizeof defines, error);
     size_t used = code ? 0 : strlen(defines);
     if (!code && more_defines &&
@@ -313,9 +314,10 @@ gw_renderer_parts gw_renderer_parts_of(const gw_renderer *renderer) {
         .triangles = scene->triangles.size,
         .attributes = scene->faces.size + scene->vertices.size + scene->materials.size + scene->lights.size,
         .textures = scene->textures.bytes,
-        .rays = renderer->totals.size + renderer->frame.size + renderer->given_rays.size +
-                renderer->found_hits.size + gw_ray_buffers_bytes(&renderer->rays) +
-                gw_sample_buffers_bytes(&renderer->samples) + gw_accumulation_bytes(&renderer->accumulation) +
+        .rays = renderer->totals.size + renderer->luminances.size + renderer->frame.size +
+                renderer->given_rays.size + renderer->found_hits.size +
+                gw_ray_buffers_bytes(&renderer->rays) + gw_sample_buffers_bytes(&renderer->samples) +
+                gw_accumulation_bytes(&renderer->accumulation) +
                 gw_accumulation_bytes(&renderer->other_accumulation) +
                 gw_shadow_buffers_bytes(&renderer->shadows) + secondary};
 }

@@ -16,6 +16,7 @@
 #include "build/scene.h"
 #include "render/features.h"
 #include "render/frame_state.h"
+#include "render/luminance.h"
 #include "render/view.h"
 
 #include <jansson.h>
@@ -71,6 +72,10 @@ gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement,
 /* ns that making pixels of samples took since this was last called; 0 without time_blending, and where every
  * pixel has a ray of its own. */
 int64_t gw_renderer_take_blend_ns(gw_renderer *renderer);
+
+/* The light of the frames' pixels since this was last called; of frames whose state wants it (metering). Of
+ * one that shows what was kept of a still view (accumulate), that of what it shows. */
+void gw_renderer_take_luminance(gw_renderer *renderer, gw_luminance *out);
 
 /* Which of two eyes, 0 or 1, the next frames are drawn for: the samples of still views (accumulate) are kept
  * for each by itself. Changes no pixel. */

@@ -101,6 +101,18 @@ static gw_code render_pixels(gw_frame_job *job, size_t slots, gw_error *error) {
     return code;
 }
 
+static gw_code take_pixels(const gw_frame_job *job, size_t pixel_slots, gw_error *error) {
+    gw_renderer *renderer = job->renderer;
+    gw_code code = gw_grow((void **)&renderer->host_pixels, &renderer->host_pixel_capacity, pixel_slots * 4,
+                           1, "pixels", error);
+    if (!code)
+        code = gw_gl_buffer_read(gw_frame_pixels(job), 0, pixel_slots * sizeof(uint32_t),
+                                 renderer->host_pixels, error);
+    if (!code)
+        place_pixels(job);
+    return code;
+}
+
 static gw_code render_chunk(gw_frame_job *job, size_t block_count, gw_error *error) {
     gw_renderer *renderer = job->renderer;
     const int sparse = (job->key.features & GW_FEATURE_SPARSE) != 0;
@@ -110,20 +122,20 @@ static gw_code render_chunk(gw_frame_job *job, size_t block_count, gw_error *err
         code = gw_accumulation_bind(renderer, job->chunk, pixel_slots, error);
     for (uint32_t i = job->first_sample; !code && i < job->end_sample; ++i) {
         gw_frame_block_set_sample(job->state, i, &job->block);
+        job->block.tone[3] = i + 1 == job->end_sample ? 1.0f : 0.0f; /* light is that of what is shown */
         code = gw_gl_buffer_write(&renderer->frame, 0, sizeof job->block, &job->block, error);
         if (!code)
             code =
                 sparse ? gw_frame_samples(job, pixel_slots, error) : render_pixels(job, pixel_slots, error);
     }
-    if (!code)
-        code = gw_grow((void **)&renderer->host_pixels, &renderer->host_pixel_capacity, pixel_slots * 4, 1,
-                       "pixels", error);
-    if (!code)
-        code = gw_gl_buffer_read(sparse ? &renderer->samples.pixels : &renderer->rays.pixels, 0,
-                                 pixel_slots * sizeof(uint32_t), renderer->host_pixels, error);
-    if (!code)
-        place_pixels(job);
-    return code;
+    return code ? code : take_pixels(job, pixel_slots, error);
+}
+
+/* What is kept of a still view, with another exposure, curve or dither. */
+static gw_code show_kept_chunk(gw_frame_job *job, size_t block_count, gw_error *error) {
+    const size_t pixel_slots = block_count * GW_BLOCK_PIXELS;
+    gw_code code = gw_frame_kept_pixels(job, pixel_slots, error);
+    return code ? code : take_pixels(job, pixel_slots, error);
 }
 
 typedef gw_code (*gw_chunk_visit)(gw_frame_job *job, size_t block_count, gw_error *error);
@@ -213,6 +225,19 @@ static uint32_t samples_of(const gw_frame_state *state) {
     return state->accumulate > 0 ? state->accumulate : 1;
 }
 
+/* Chunks drawn, and their light counted if the frame wants that. */
+static gw_code draw_chunks(gw_frame_job *job, gw_luminance *luminance, gw_error *error) {
+    const int meters = (job->key.features & GW_FEATURE_METERING) != 0;
+    gw_code code = meters ? gw_frame_meter(job->renderer, error) : GW_OK;
+    if (!code)
+        code = visit_chunks(job, render_chunk, error);
+    return !code && meters ? gw_frame_read_meter(job->renderer, luminance, error) : code;
+}
+
+static int is_toned_alike(const gw_frame_state *a, const gw_frame_state *b) {
+    return a->exposure == b->exposure && a->tone == b->tone && a->dither == b->dither;
+}
+
 /* The samples that the view lacks, added to those that are kept of it. */
 static gw_code accumulate(gw_frame_job *job, const gw_similarity *placement, const gw_plane *plane,
                           gw_error *error) {
@@ -228,17 +253,39 @@ static gw_code accumulate(gw_frame_job *job, const gw_similarity *placement, con
     gw_code code = gw_accumulation_begin(kept, &view, job->end_sample, error);
     if (code)
         return code;
+    const int meters = job->state->metering != 0;
+    if (meters && !kept->metered)
+        kept->samples = 0;
     job->first_sample = kept->samples;
-    if (job->first_sample < job->end_sample) {
+    const int lacks = job->first_sample < job->end_sample;
+    if (lacks) {
         kept->samples = 0; /* until all chunks have the new ones */
-        code = visit_chunks(job, render_chunk, error);
-        if (code)
-            return code;
-        kept->samples = job->end_sample;
-        memcpy(kept->rgba, job->rgba, bytes);
+        code = draw_chunks(job, &kept->luminance, error);
+        kept->metered = meters;
+    } else if (!is_toned_alike(&kept->toned, job->state)) {
+        code = visit_chunks(job, show_kept_chunk, error);
+    } else {
+        memcpy(job->rgba, kept->rgba, bytes);
     }
-    memcpy(job->rgba, kept->rgba, bytes);
+    if (code) {
+        kept->samples = 0;
+        return code;
+    }
+    kept->samples = job->end_sample;
+    kept->toned = *job->state;
+    memcpy(kept->rgba, job->rgba, bytes);
+    if (meters)
+        gw_luminance_add(&job->renderer->luminance, &kept->luminance);
     return GW_OK;
+}
+
+/* Without accumulation. */
+static gw_code draw_once(gw_frame_job *job, gw_error *error) {
+    gw_luminance luminance = {{0}};
+    gw_code code = draw_chunks(job, &luminance, error);
+    if (!code && job->state->metering)
+        gw_luminance_add(&job->renderer->luminance, &luminance);
+    return code;
 }
 
 gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement, const gw_plane *plane,
@@ -260,7 +307,7 @@ gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement,
     renderer->last_features = gw_features_of_frame(state, job.block.counts[0], renderer->scene_features);
     gw_scene_buffers_bind(&renderer->buffers, state->texture_filter);
     code = job.key.features & GW_FEATURE_ACCUMULATE ? accumulate(&job, placement, plane, error)
-                                                    : visit_chunks(&job, render_chunk, error);
+                                                    : draw_once(&job, error);
     if (code)
         return gw_context(error, "frame %u", state->frame);
     job.counters.loop_iterations = renderer->loop_iterations;

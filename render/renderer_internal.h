@@ -4,6 +4,7 @@
 
 #include "render/features.h"
 #include "render/frame_block.h"
+#include "render/luminance.h"
 #include "render/moving.h"
 #include "render/renderer.h"
 #include "render/scene_buffers.h"
@@ -37,7 +38,8 @@ enum gw_binding {
     GW_BINDING_CELL_MARKS = 24,
     GW_BINDING_LISTS = 25,
     GW_BINDING_NEXT_RAYS = 26,
-    GW_BINDING_GIVEN_SUMS = 27
+    GW_BINDING_GIVEN_SUMS = 27,
+    GW_BINDING_LUMINANCES = 30 /* with METERING only */
 };
 /* Texture units of what shaders/blend reads, beside those of gw_scene_buffers_bind(). */
 enum gw_unit { GW_UNIT_CELL_COLORS = 14, GW_UNIT_CELL_POINTS = 15, GW_UNIT_CELL_MARKS = 16 };
@@ -99,6 +101,9 @@ typedef struct gw_accumulation_view {
 typedef struct gw_accumulation {
     gw_accumulation_view view;
     uint32_t samples;     /* that the sums and pixels hold */
+    gw_frame_state toned; /* what made the pixels of the sums */
+    int metered;          /* luminance holds their light */
+    gw_luminance luminance;
     gw_gl_buffer *chunks; /* sums of linear radiance, a buffer for each chunk of the rectangle */
     size_t chunk_count, chunk_capacity;
     uint8_t *rgba; /* the rectangle's pixels */
@@ -126,6 +131,8 @@ struct gw_renderer {
     gw_shadow_buffers shadows;
     gw_secondary_buffers secondary[GW_MOST_BOUNCES + 1]; /* what rays of each bounce ask for */
     gw_gl_buffer totals, frame;
+    gw_gl_buffer luminances;             /* made with the first frame whose light is counted */
+    gw_luminance luminance;              /* since it was last asked for */
     gw_gl_buffer given_rays, found_hits; /* of gw_renderer_trace */
     gw_sample_buffers samples;
     uint8_t *host_pixels; /* of one chunk, 4 bytes each, row by row */
@@ -225,6 +232,19 @@ void gw_secondary_buffers_finish(gw_secondary_buffers *buffers);
 uint64_t gw_secondary_buffers_bytes(const gw_secondary_buffers *buffers);
 /* Room that one ray may need for its secondary rays, but for what traces them. */
 uint64_t gw_secondary_ray_bytes(uint32_t fragments);
+
+/* Where a chunk's pixels are, row by row. */
+static inline gw_gl_buffer *gw_frame_pixels(const gw_frame_job *job) {
+    return job->key.features & GW_FEATURE_SPARSE ? &job->renderer->samples.pixels
+                                                 : &job->renderer->rays.pixels;
+}
+/* renderer_tone.c: the frame's light will be counted from 0 on; what was counted. */
+gw_code gw_frame_meter(gw_renderer *renderer, gw_error *error);
+gw_code gw_frame_read_meter(gw_renderer *renderer, gw_luminance *out, gw_error *error);
+/* Lines for the kernels that store pixels. */
+const char *gw_tone_defines(gw_features features, char text[128]);
+/* The pixels of a chunk once more from its sums. */
+gw_code gw_frame_kept_pixels(gw_frame_job *job, size_t pixel_slots, gw_error *error);
 
 /* renderer_accumulate.c: a frame of this view that shows `samples` samples; what is kept of another view, or
  * of more samples, is forgotten. */

@@ -239,10 +239,11 @@ static gw_code blend_program(const gw_frame_job *job, const char *name, int asks
     const int gazed = asks & ASKS_GAZE && job->block.counts[0] > 0;
     const int stores = asks & ASKS_STORE && job->key.features & GW_FEATURE_ACCUMULATE;
     const int cubic = asks & ASKS_KERNEL && job->state->reconstruction >= GW_RECONSTRUCTION_CUBIC;
-    char defines[256];
-    snprintf(defines, sizeof defines, "%s%s%s%s%s%s", stores ? "#define ACCUMULATE 1\n" : "",
-             gazed ? "#define GAZE 1\n" : "", gazed && job->key.gaze_seed ? "#define GAZE_SEED 1\n" : "",
-             cubic ? "#define CUBIC 1\n" : "",
+    char defines[384], tone[128];
+    snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s",
+             gw_tone_defines(asks & ASKS_STORE ? job->key.features : 0, tone),
+             stores ? "#define ACCUMULATE 1\n" : "", gazed ? "#define GAZE 1\n" : "",
+             gazed && job->key.gaze_seed ? "#define GAZE_SEED 1\n" : "", cubic ? "#define CUBIC 1\n" : "",
              asks & ASKS_EDGES && job->key.guides ? "#define EDGE_AWARE 1\n" : "", more);
     return gw_gl_program(job->renderer->device, name, defines, out, error);
 }

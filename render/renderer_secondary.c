@@ -104,7 +104,7 @@ static gw_code trace_rays(gw_frame_job *job, gw_secondary_buffers *to, uint32_t 
     next.key.reflected = 1;
     next.key.guides = 0;
     next.key.debug = GW_DEBUG_NONE;
-    next.key.features &= ~(GW_FEATURE_SPARSE | GW_FEATURE_GAZE | GW_FEATURE_ACCUMULATE);
+    next.key.features &= ~(GW_FEATURE_SPARSE | GW_FEATURE_GAZE | GW_FEATURE_ACCUMULATE | GW_TONE_FEATURES);
     gw_code code = gw_ray_buffers_reserve(renderer, next.rays, slots, gw_kernel_fragments(&next.key),
                                           next.key.count, error);
     if (code)

@@ -127,6 +127,17 @@ static uint64_t lost_tiles(const gw_conductor *conductor, const struct gw_rank *
     return lost;
 }
 
+static void note_light(gw_conductor *conductor, const struct gw_rank *rank, uint32_t tile,
+                       const gw_done *done) {
+    const gw_tile *drawn = &rank->site.layout.tiles[tile];
+    const uint64_t pixels = (uint64_t)drawn->rectangle.width * drawn->rectangle.height;
+    if (!gw_exposure_note(&conductor->exposure, tile, &done->luminance, pixels))
+        gw_log_write(&rank->line.log, GW_LOG_WARNING,
+                     "tile %s counted the light of more pixels than it has in frame %" PRIu32
+                     "; its last count stands",
+                     drawn->name, done->frame);
+}
+
 /* After the gate: adds up what the tiles did. *slowest in ms. */
 static gw_code add_up(gw_conductor *conductor, const struct gw_rank *rank, const gw_done *own, uint32_t frame,
                       const uint8_t **pixels, const gw_done **all, gw_counters *sum, double *slowest,
@@ -166,6 +177,7 @@ static gw_code add_up(gw_conductor *conductor, const struct gw_rank *rank, const
         gw_counters_add(sum, &done->counters);
         gw_predicted_error_add(&conductor->seen, &done->predicted);
         gw_budget_note(&conductor->budget, i, done);
+        note_light(conductor, rank, i, done);
     }
     conductor->tile_ms[frame % GW_USUAL_FRAMES] = gw_spread_of(milliseconds, drawn).median;
     gw_predicted_error_add(&conductor->predicted, &conductor->seen);

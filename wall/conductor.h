@@ -6,6 +6,7 @@
 #include "base/hash.h"
 #include "base/status.h"
 #include "wall/budget.h"
+#include "wall/exposure.h"
 #include "wall/frames.h"
 #include "wall/gate.h"
 #include "wall/latency.h"
@@ -49,8 +50,9 @@ typedef struct gw_conductor {
     double swap_median, swap_maximum;    /* ms, for the summary */
     uint32_t slowest_tile;               /* of the last frame */
     double slowest_ms;
-    gw_counters counters;           /* of all tiles and frames */
-    gw_budget budget;               /* of --budget, --budget-rays */
+    gw_counters counters; /* of all tiles and frames */
+    gw_budget budget;     /* of --budget, --budget-rays */
+    gw_exposure exposure;
     gw_predicted_error predicted;   /* of all tiles, in all frames for which it was asked */
     gw_predicted_error seen;        /* of the last such frame */
     char *scene_line, *octree_line; /* for the summary */

@@ -50,7 +50,8 @@ gw_code gw_conductor_open_rows(gw_conductor *conductor, const char *folder, gw_e
     if (!code)
         fputs(
             "frame,presented_ms,time_s,eye_x_mm,eye_y_mm,eye_z_mm,gazes,gaze_x,gaze_y,gaze_z,gaze_age_s,"
-            "gaze_confidence,tau,tau_inside,epoch,accumulate,strain,gaze_margin,acuity_slope,sample_block,"
+            "gaze_confidence,tau,tau_inside,epoch,accumulate,strain,exposure,gaze_margin,acuity_slope,sample_"
+            "block,"
             "error_worst,error_mean,rays,frame_ms,slowest_tile_ms,age_ms,filter_ms,wait_ms,trace_ms,gate_ms,"
             "scan_out_ms,latency_ms,predicted_ms,late_tiles,skipped_tiles,lost_tiles\n",
             conductor->rows);
@@ -113,12 +114,13 @@ void gw_conductor_write_row(gw_conductor *conductor, uint32_t frame, const gw_co
     const gw_gaze *g = &s->gazes[0]; /* all zero when there is none */
     fprintf(conductor->rows,
             "%" PRIu32 ",%.3f,%.9f,%.9g,%.9g,%.9g,%" PRIu32 ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%" PRIu32
-            ",%d,%.9g,%.9g,%.9g,%d,%.6g,%.6g,%" PRIu64 ",%.3f,%.3f,",
+            ",%d,%.9g,%.9g,%.9g,%.9g,%d,%.6g,%.6g,%" PRIu64 ",%.3f,%.3f,",
             s->frame, presented, (double)s->time * 1e-9, s->eye[0], s->eye[1], s->eye[2], s->gaze_count,
             (double)g->direction[0], (double)g->direction[1], (double)g->direction[2], (double)g->age,
             (double)g->confidence, (double)knobs.tau, (double)knobs.tau_inside, s->epoch, s->accumulate,
-            (double)s->strain, (double)knobs.gaze_margin, (double)knobs.acuity_slope, 1 << knobs.sample_block,
-            gw_predicted_error_worst(&conductor->seen), gw_predicted_error_mean(&conductor->seen), sum->rays,
+            (double)s->strain, (double)s->exposure, (double)knobs.gaze_margin, (double)knobs.acuity_slope,
+            1 << knobs.sample_block, gw_predicted_error_worst(&conductor->seen),
+            gw_predicted_error_mean(&conductor->seen), sum->rays,
             conductor->milliseconds[gw_kept(conductor, frame)], slowest);
     write_latency(conductor->rows, &conductor->latencies[gw_kept(conductor, frame)]);
     fprintf(conductor->rows, "%" PRIu32 ",%" PRIu32 ",%" PRIu32 "\n", conductor->missed[GW_MISSED_LATE],

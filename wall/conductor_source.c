@@ -32,6 +32,7 @@ static gw_code choose_source(gw_conductor *conductor, const struct gw_rank *rank
     conductor->frame_count = options->frames ? options->frames : gw_sim_runs_free(options) ? GW_ENDLESS : 1;
     gw_budget_init(&conductor->budget, options->budget_ms, options->budget_rays,
                    options->draw.settings.strain);
+    gw_exposure_init(&conductor->exposure, &options->draw.settings);
     conductor->first_time = (int64_t)(options->draw.time * 1e9);
     conductor->step = options->step > 0                     ? (int64_t)(options->step * 1e9)
                       : options->step < 0 && options->input ? GW_INPUT_STEP
@@ -190,6 +191,7 @@ gw_code gw_conductor_make_state(gw_conductor *conductor, const struct gw_rank *r
     gw_code code = gw_pilot_steer(conductor->pilot, state, error);
     if (gw_budget_is_on(&conductor->budget))
         state->strain = gw_budget_strain(&conductor->budget);
+    gw_exposure_decide(&conductor->exposure, state);
     const gw_frame_state *before = frame ? &conductor->states[gw_kept(conductor, frame - 1)] : NULL;
     if (draw->settings.accumulate > 1)
         gw_frame_hold(state, before, rank->options.still[0], rank->options.still[1]);

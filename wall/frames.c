@@ -43,6 +43,7 @@ static const float_field float_fields[] = {
     {"scene_scale", offsetof(gw_frame_state, scene_scale), 0, 1e12},
     {"edge_depth", offsetof(gw_frame_state, edge_depth), 0.01, 1},
     {"edge_normal", offsetof(gw_frame_state, edge_normal), 1, 180},
+    {"exposure", offsetof(gw_frame_state, exposure), -24, 24},
 };
 
 typedef struct byte_field {
@@ -63,6 +64,9 @@ static const byte_field byte_fields[] = {
     {"coarse_samples", offsetof(gw_frame_state, coarse_samples), 3},
     {"samples", offsetof(gw_frame_state, samples), 4},
     {"triangle_precision", offsetof(gw_frame_state, triangle_precision), GW_PRECISION_DOUBLE},
+    {"tone", offsetof(gw_frame_state, tone), GW_TONE_FILMIC},
+    {"dither", offsetof(gw_frame_state, dither), 1},
+    {"metering", offsetof(gw_frame_state, metering), 1},
     {"debug", offsetof(gw_frame_state, debug), GW_DEBUG_VIEWS - 1},
     {"near_light", offsetof(gw_frame_state, near_light), UINT8_MAX},
     {"bounces", offsetof(gw_frame_state, bounces), 8},

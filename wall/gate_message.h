@@ -12,6 +12,7 @@
 #include "render/renderer.h"
 #include "wall/latency.h"
 #include "wall/overlay.h"
+#include "wall/wire.h"
 
 #include <stddef.h>
 #include <stdint.h>
@@ -48,6 +49,7 @@ typedef struct gw_done {
     float lanes[GW_LANES]; /* ms, of the overlay: what surrounds the drawing is of the frame before */
     gw_counters counters;
     gw_predicted_error predicted; /* of its tile, if it was wanted */
+    gw_luminance luminance;       /* likewise */
     char text[sizeof((gw_error *)0)->text];
 } gw_done;
 
@@ -72,6 +74,8 @@ typedef struct gw_answer {
     int64_t processor;    /* ns that the process has used of its processors */
     gw_done done;
 } gw_answer;
+
+_Static_assert(sizeof(gw_answer) <= GW_WIRE_MESSAGE, "an answer is one message");
 
 /* Bytes that must travel. */
 size_t gw_answer_size(const gw_answer *answer);

@@ -6,6 +6,7 @@
 #include "wall/verbs.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -173,7 +174,8 @@ void gw_report_settings(json_t *report, const gw_settings *settings) {
         double value = gw_setting_value(settings, row);
         char text[64];
         gw_setting_text(settings, row, text);
-        json_t *entry = row->kind == GW_SETTING_REAL      ? json_real(value)
+        json_t *entry = isinf(value)                      ? json_string(text)
+                        : row->kind == GW_SETTING_REAL    ? json_real(value)
                         : row->kind == GW_SETTING_INTEGER ? json_integer((json_int_t)value)
                         : row->kind == GW_SETTING_SWITCH  ? json_boolean(value != 0)
                                                           : json_string(text);

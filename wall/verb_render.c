@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "render/camera.h"
 #include "wall/console.h"
+#include "wall/exposure.h"
 #include "wall/frames.h"
 #include "wall/interrupt.h"
 #include "wall/model.h"
@@ -320,6 +321,22 @@ typedef struct render {
     json_t *triple; /* numbers, or NULL */
 } render;
 
+/* exposure=auto: the picture is drawn at 0 stops, its light counted, and from then on it is a still view
+ * whose only sample is there already: nothing is traced again for the picture that is shown. */
+static gw_code expose(render *r, const gw_rectangle *rectangle, gw_error *error) {
+    gw_exposure exposure;
+    gw_luminance luminance;
+    r->state.epoch = 1;
+    gw_code code = gw_renderer_frame(r->renderer, &r->view.placement, &r->view.plane, rectangle, &r->state,
+                                     r->image.rgba, &r->counters, error);
+    gw_exposure_init(&exposure, &r->options.draw.settings);
+    gw_renderer_take_luminance(r->renderer, &luminance);
+    gw_exposure_note(&exposure, 0, &luminance, (uint64_t)rectangle->width * rectangle->height);
+    gw_exposure_decide(&exposure, &r->state);
+    r->state.metering = 0;
+    return code;
+}
+
 static gw_code draw(render *r, gw_error *error) {
     const gw_rectangle rectangle = {.width = r->options.wall.size[0], .height = r->options.wall.size[1]};
     gw_renderer_options how = {.count = r->options.draw.count,
@@ -338,8 +355,11 @@ static gw_code draw(render *r, gw_error *error) {
     if (code)
         return code;
     int64_t begin = gw_now_ns();
-    code = gw_renderer_frame(r->renderer, &r->view.placement, &r->view.plane, &rectangle, &r->state,
-                             r->image.rgba, &r->counters, error);
+    if (r->state.metering && !r->options.states)
+        code = expose(r, &rectangle, error);
+    if (!code)
+        code = gw_renderer_frame(r->renderer, &r->view.placement, &r->view.plane, &rectangle, &r->state,
+                                 r->image.rgba, &r->counters, error);
     r->milliseconds = (double)(gw_now_ns() - begin) * 1e-6;
     return code ? code
                 : gw_predict_error(r->model.scene, r->model.octree, &r->view.placement, &r->view.plane,

@@ -18,8 +18,8 @@ static void print_row(const gw_setting_row *row, const gw_settings *defaults) {
     else if (row->kind == GW_SETTING_SWITCH)
         snprintf(range, sizeof range, "on|off");
     else
-        snprintf(range, sizeof range, "%g to %g%s%s", row->minimum, row->maximum, row->unit[0] ? " " : "",
-                 row->unit);
+        snprintf(range, sizeof range, "%g to %g%s%s%s%s", row->minimum, row->maximum, row->unit[0] ? " " : "",
+                 row->unit, row->choices[0] ? ", " : "", row->choices);
     printf("%s=%s  (%s)\n    %s\n    trades %s; reference: %s\n", row->name, initial, range, row->help,
            row->trades, row->reference);
 }
@@ -34,8 +34,9 @@ int gw_verb_settings(int argc, char **argv) {
         return GW_OK;
     gw_settings defaults;
     gw_settings_init(&defaults);
-    static const char *const headings[] = {"Octree (change its bytes):", "Frame (travel in the frame state):",
-                                           "Tracking (change the eyes and gazes in the frame state):"};
+    static const char *const headings[] = {
+        "Octree (change its bytes):", "Frame (travel in the frame state):",
+        "Rank 0 (change the eyes, gazes and automatic exposure in the frame state):"};
     for (int stage = GW_SETTING_BUILD; stage <= GW_SETTING_TRACK; stage++) {
         printf("%s%s\n\n", stage ? "\n" : "", headings[stage]);
         for (size_t i = 0; i < gw_setting_count; i++)

@@ -1,7 +1,7 @@
 // Pixels of blocks at full rate, one group a block. A pixel is the mean of its rays. SOFT: where sharpness falls to that of pairs, its
 // neighbours join it, up to a B-spline of 3 x 3; a neighbour that has no ray of its own stands for itself with its square's.
 //
-// variants: ; ACCUMULATE=1; GAZE=1 SOFT=1; GAZE=1 GAZE_SEED=1 SOFT=1
+// variants: ; ACCUMULATE=1; ACCUMULATE=1 TONE=1 EXPOSURE=1 DITHER=1 METERING=1; GAZE=1 SOFT=1; GAZE=1 GAZE_SEED=1 SOFT=1
 #include "common/frame_block.glsl"
 layout(local_size_x = 64) in;
 #include "blend/store_pixel.glsl"

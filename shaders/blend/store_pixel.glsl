@@ -1,6 +1,6 @@
 // A pixel's linear colour to the picture. With ACCUMULATE it is one sample of a still view: it is added to those before it, in
 // their order, and the picture shows their mean.
-#include "common/color.glsl"
+#include "blend/tone.glsl"
 layout(std430, binding = 8) writeonly buffer Pixels { uint pixels[]; }; // the chunk's, row by row
 #ifdef ACCUMULATE
 layout(std430, binding = 14) buffer Accumulated { vec4 accumulated[]; }; // likewise
@@ -15,5 +15,8 @@ void store_pixel(ivec2 place, vec3 color) {
     accumulated[at] = vec4(sum, 1.0);
     mean = sum * frame.accumulation.z;
 #endif
-    pixels[at] = encode_pixel(mean);
+#ifdef METERING
+    meter(frame.chunk.xy + place, mean);
+#endif
+    pixels[at] = encode_pixel(frame.chunk.xy + place, mean);
 }

@@ -9,9 +9,3 @@ vec3 srgb_decode(vec3 encoded) {
     precise vec3 curved = pow((max(encoded, vec3(0.04045)) + 0.055) / 1.055, vec3(2.4));
     return mix(curved, encoded / 12.92, lessThanEqual(encoded, vec3(0.04045)));
 }
-
-// Linear colour to a pixel of the picture: RGBA8, red in the lowest byte.
-uint encode_pixel(vec3 color) {
-    uvec3 bytes = uvec3(srgb_encode(color) * 255.0 + 0.5);
-    return bytes.r | (bytes.g << 8) | (bytes.b << 16) | 0xff000000u;
-}

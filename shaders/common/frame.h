@@ -41,6 +41,7 @@ GW_UVEC4(level_begin[4]); // first node of each octree level, 16 entries; unused
 GW_VEC4(accumulation); // xy: this sample's ray in its square, in sides of it from its centre; z: 1 / samples with this one;
                        // w: 1 when samples have been added before
 GW_UVEC4(sampling);  // rays of a coarse square, log2 of the largest square, 0, 0
+GW_VEC4(tone);       // gain of the exposure; 1: the filmic curve; 1: dithered; 1: this sample's light is counted
 GW_VEC4(gazing);     // gaze_footprint, edge_depth, cosines of edge_normal and of half of it
 GW_VEC4(coarse_places[4]); // of up to 8 rays in their square, in sides of it, as below
 GW_VEC4(sample_places[8]); // of up to 16 rays in their pixel, from its centre, px: xy of an even one, zw of an odd one
@@ -159,6 +160,11 @@ GW_STRUCT_END(gw_gpu_light)
 #define GW_REQUEST_WHICH(word) ((word) >> 26)
 #define GW_RAYS_OF_FRAGMENT 1u // at most
 #define GW_MOST_BOUNCES 8
+
+// Counts of a picture's light (blend/tone.glsl): a bin is a quarter of an octave, by the float's exponent and its first two bits
+// after the point. The first one begins at 2^-20 and holds all that is darker, the last one what is brighter than 2^12.
+#define GW_LUMINANCE_BINS 128
+#define GW_LUMINANCE_FIRST ((127 - 20) << 2)
 
 // Totals of one chunk: cap hits, NaN pixels, length of the queue, shadow or secondary rays; with COUNT: the most iterations that a
 // ray took in one dispatch.

@@ -142,6 +142,8 @@ static gw_camera random_state(uint64_t *random) {
         add_gaze(&camera, random);
     camera.state.strain = below(random, 3) ? 1 : between(random, 1, 16);
     camera.state.accumulate = below(random, 3) ? 1 : 2;
+    camera.state.exposure = between(random, -2, 2);
+    camera.state.tone = camera.state.dither = below(random, 2);
     return camera;
 }
 

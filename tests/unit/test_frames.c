@@ -142,6 +142,9 @@ static void a_recording_gives_every_bit_back(void **state) {
         states[i].look_at[(i + 1) % 3] = -0.1f * (float)i;
         states[i].accumulate = (uint16_t)(i + 1);
         states[i].strain = 1.0f + 0.1f * (float)i;
+        states[i].exposure = 0.3f - 0.1f * (float)i;
+        states[i].tone = states[i].metering = i & 1;
+        states[i].dither = (i >> 1) & 1;
         states[i].eye_offset[i % 3] = 10.0f / (3.0f + (float)i);
     }
     check_ok(gw_states_save(path, states, COUNT, &error));

@@ -223,9 +223,9 @@ static void scenes_call_for_what_their_used_materials_need(void **state) {
 
 static void every_effect_is_one_row(void **state) {
     (void)state;
-    uint32_t seen = 0;
+    gw_features seen = 0;
     for (size_t i = 0; i < gw_feature_count; ++i) {
-        assert_int_equal(seen & gw_feature_rows[i].bit, 0);
+        assert_true((seen & gw_feature_rows[i].bit) == 0);
         seen |= gw_feature_rows[i].bit;
         gw_kernel_key key = {.features = gw_feature_rows[i].bit, .depth = 15};
         char text[1024], line[128];
@@ -233,9 +233,9 @@ static void every_effect_is_one_row(void **state) {
         snprintf(line, sizeof line, "#define %s 1\n", gw_feature_rows[i].define);
         assert_non_null(strstr(text, line));
         check_fails(gw_kernel_defines(&key, text, 40, &error), GW_MACHINE, "40 bytes");
-        uint32_t bit = 0;
+        gw_features bit = 0;
         check_ok(gw_feature_of_name(gw_feature_rows[i].name, &bit, &error));
-        assert_int_equal(bit, gw_feature_rows[i].bit);
+        assert_true(bit == gw_feature_rows[i].bit);
         check_fails(gw_feature_of_name(gw_feature_rows[i].define, &bit, &error), GW_BAD_INPUT, "no effect");
     }
 }

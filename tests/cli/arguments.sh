@@ -98,7 +98,17 @@ expect "so is a gaze beside the picture" 2 "pixel 200,20 is on no tile" render -
 expect "states that cannot be written" 5 "$folder/nowhere/s" sim --scene missing.obj --save-states "$folder/nowhere/s"
 expect "results of a bench below a file" 5 "$folder/file" bench build --scene missing.obj --out "$folder/file/results"
 is "a quiet bench is quiet" "$("$program" bench build --quick "${scene[@]}" 2>&1)" ""
-"$program" bench modes --quick --size 96x54 --repeats 1 "${scene[@]}" --out "$folder/modes"
+cat >"$folder/path.yaml" <<EOF
+version: 1
+models: [{file: $root/tests/data/box.obj}]
+paths:
+  - {name: round, fov: 50, keys: [{time: 0, eye: [0, 2, 6], look_at: [0, 0, 0]}, {time: 9, eye: [5, 2, 4], look_at: [0, 0, 0]}]}
+EOF
+head -2 "$folder/path.yaml" >"$folder/no-path.yaml"
+on_path=(--scene "$folder/path.yaml" --set octree_depth=5 --quiet)
+# One model and the same effects: most of their time goes into translating kernels.
+unshadowed=(--point-light --forbid-effect shadows)
+"$program" bench modes --quick --size 96x54 --repeats 1 --scene "$folder/no-path.yaml" "${on_path[@]:2}" "${unshadowed[@]}" --out "$folder/modes"
 is "seven modes" "$(wc -l <"$folder/modes/modes.csv")" 8
 is "triangles and exact do the same work" \
     "$(json "$folder/modes/modes.json" '["bench"]["modes"][0]["counters"] == d["bench"]["modes"][1]["counters"]')" True
@@ -106,28 +116,19 @@ is "voxels test no triangles" "$(json "$folder/modes/modes.json" '["bench"]["mod
 is "errors are between 0 and 1, and filters hide some" \
     "$(json "$folder/modes/modes.json" '["bench"]["modes"] and all(0 <= m["seen_flip"] <= m["flip"] + 0.01 <= 1 for m in d["bench"]["modes"])')" True
 is "without a path there is no flicker" "$(json "$folder/modes/modes.json" '["bench"]["modes"][3]["flicker"]')" None
-cat >"$folder/path.yaml" <<EOF
-version: 1
-models: [{file: $root/tests/data/box.obj}]
-paths:
-  - {name: round, fov: 50, keys: [{time: 0, eye: [0, 2, 6], look_at: [0, 0, 0]}, {time: 9, eye: [5, 2, 4], look_at: [0, 0, 0]}]}
-EOF
-on_path=(--scene "$folder/path.yaml" --set octree_depth=5 --quiet)
-"$program" bench modes --quick --size 48x48 --frames 3 "${on_path[@]}" --path round --out "$folder/along"
+"$program" bench modes --quick --size 48x48 --frames 3 "${on_path[@]}" "${unshadowed[@]}" --path round --out "$folder/along"
 is "three frames of a path" "$(json "$folder/along/modes.json" '["bench"]["path"], len(d["bench"]["modes"][0]["ms"])')" "('round', 3)"
 is "flicker of modes that alias" \
     "$(json "$folder/along/modes.json" '["bench"] and all(0 < m["flicker"]["mean"] < m["flicker"]["largest"] for m in d["bench"]["modes"])')" True
 is "verdicts and plotted times" "$(json "$folder/along/modes.json" '["bench"]["verdicts"].__len__()') $(ls "$folder/along/modes-time.svg")" \
     "3 $folder/along/modes-time.svg"
-"$program" bench modes --quick --size 48x48 --frames 1 "${on_path[@]}" --point-light --out "$folder/point"
-"$program" bench modes --quick --size 48x48 --frames 1 "${on_path[@]}" --point-light --forbid-effect shadows --density 20 --times-only \
-    --out "$folder/dark"
+"$program" bench modes --quick --size 48x48 --frames 1 "${on_path[@]}" --point-light --density 20 --times-only --out "$folder/point"
 is "one shadow ray for one light, where anything is lit" \
     "$(json "$folder/point/modes.json" '["bench"]["modes"][0]["counters"] and 0 < d["bench"]["modes"][0]["counters"]["shadow_rays"] <= 48 * 48')" True
-is "none where shadows are forbidden" "$(json "$folder/dark/modes.json" '["bench"]["modes"][0]["counters"]["shadow_rays"]')" 0
+is "none where shadows are forbidden" "$(json "$folder/along/modes.json" '["bench"]["modes"][0]["counters"]["shadow_rays"]')" 0
 is "a path seen as finely as a wall, and times only" \
-    "$(json "$folder/dark/modes.json" '["bench"] and (round(d["bench"]["pixels_per_degree"], 2), d["bench"]["modes"][0]["flip"])')" "(20.0, None)"
-is "with nothing in the columns that were not measured" "$(sed -n 2p "$folder/dark/modes.csv" | grep -o ',*$')" ",,,,,,,,"
+    "$(json "$folder/point/modes.json" '["bench"] and (round(d["bench"]["pixels_per_degree"], 2), d["bench"]["modes"][0]["flip"])')" "(20.0, None)"
+is "with nothing in the columns that were not measured" "$(sed -n 2p "$folder/point/modes.csv" | grep -o ',*$')" ",,,,,,,,"
 expect "a density without a path" 2 "has none: add one under 'paths'" bench modes "${scene[@]}" --density 20
 expect "a density that is not heeded" 2 "no use for --density" bench build "${scene[@]}" --density 20
 expect "a path that is none" 2 "has no camera path 'walk'; it has 1, the first is 'round'" bench modes "${on_path[@]}" --path walk

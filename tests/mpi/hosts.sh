@@ -156,7 +156,7 @@ is "again: the report knows it" "$(json again.json '["tiles"][2]["returned"]') $
 nothing_is_left "again"
 
 # --- a cut link
-start cut --death-deadline 2
+start cut --death-deadline 1
 ip link set wall3 down
 wait_for_line cut.log "tile c2r0 (rank 2) is lost"
 rows cut 4
@@ -165,6 +165,9 @@ wait $launcher
 is "cut: exit code" $? 130
 is "cut: the report knows it" "$(json cut.json '["tiles"][2]["state"]') $(json cut.json '["tiles"][3]["state"]')" "lost live"
 ip link set wall3 up
+for _ in $(seq 100); do # a port that nobody listens at is refused: the way is open again
+    on_host wall3 timeout 0.2 bash -c ': >/dev/tcp/10.77.0.1/9' 2>&1 | grep -q refused && break
+done
 nothing_is_left "cut"
 
 # --- what is killed: the launcher, mpirun, rank 0

@@ -46,6 +46,12 @@ run() {
     is "$name: no process is left" "$(pgrep -f -- "--out $name" | wc -l)" 0
 }
 
+# --- rank 0 hangs: nobody but the launcher can notice, and it takes its time: what comes of it is seen at the end
+timeout 300 "$program" sim --scene sheet.obj --set octree_depth=5 --tiles 2x1 --size 96x32 --frames 100000 --death-deadline 1 --log debug --out hang >hang.out 2>hang.log &
+hanging=$!
+wait_for hang/wall-0002.png
+kill -STOP "$(pid_of hang.log 0)"
+
 run killed KILL
 run stopped STOP
 
@@ -73,17 +79,6 @@ has "rank 0: it is told by name" "$(cat first.log)" "rank 0 (tile c0r0"
 sleep 0.5
 exists "rank 0: the other tile shows a notice, not a frozen frame" first/tile-c1r0-notice.png
 is "rank 0: no process is left" "$(pgrep -f -- "--out first" | wc -l)" 0
-
-# --- rank 0 hangs: nobody but the launcher can notice
-timeout 300 "$program" sim --scene sheet.obj --set octree_depth=5 --tiles 2x1 --size 96x32 --frames 2000 --death-deadline 1 --log debug --out hang >hang.out 2>hang.log &
-launcher=$!
-wait_for hang/wall-0002.png
-kill -STOP "$(pid_of hang.log 0)"
-wait $launcher
-is "rank 0 hangs: exit code" $? 4
-has "rank 0 hangs: it is told by name" "$(cat hang.log)" "rank 0 (tile c0r0) hangs"
-exists "rank 0 hangs: the other tile shows a notice" hang/tile-c1r0-notice.png
-is "rank 0 hangs: no process is left" "$(pgrep -f -- "--out hang" | wc -l)" 0
 
 # --- mpirun is killed: the launcher removes what it leaves
 timeout 300 "$program" sim --scene sheet.obj --set octree_depth=5 --tiles 2x1 --size 96x32 --frames 2000 --log debug --out orphans >orphans.out 2>orphans.log &
@@ -121,4 +116,10 @@ chmod +x tools/mpirun
 PATH=$folder/tools:$PATH "$program" sim --scene sheet.obj --quiet >weak.out 2>weak.log
 is "mpirun gives up: exit code" $? 3
 has "mpirun gives up: its words are shown" "$(cat weak.log)" "not enough slots available"
+# --- rank 0 has hung all the while
+wait $hanging
+is "rank 0 hangs: exit code" $? 4
+has "rank 0 hangs: it is told by name" "$(cat hang.log)" "rank 0 (tile c0r0) hangs"
+exists "rank 0 hangs: the other tile shows a notice" hang/tile-c1r0-notice.png
+is "rank 0 hangs: no process is left" "$(pgrep -f -- "--out hang" | wc -l)" 0
 finish

@@ -33,6 +33,19 @@ same_file() { # NAME GOT WANTED
     verdict "$1" $? <<<"$2 and $3 differ: $(cmp "$2" "$3" 2>&1)"
 }
 
+# differing PATTERN FOLDER FOLDER: how many files of the first folder that match differ from those of that name in the second,
+# and how many there are.
+differing() {
+    python3 -I -S -c 'import glob, os, sys
+files = glob.glob(os.path.join(sys.argv[2], sys.argv[1]))
+def read(path):
+    try:
+        return open(path, "rb").read()
+    except OSError:
+        return None
+print(sum(read(f) != read(os.path.join(sys.argv[3], os.path.basename(f))) for f in files), len(files))' "$@"
+}
+
 exists() { # NAME FILE
     [ -e "$2" ]
     verdict "$1" $? <<<"there is no $2; there is: $(find "$(dirname "$2")" -maxdepth 1 -type f 2>&1 | tr '\n' ' ')"

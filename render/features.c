@@ -53,7 +53,7 @@ gw_code gw_feature_of_name(const char *name, gw_features *bit, gw_error *error) 
     return gw_fail(error, GW_BAD_INPUT, "there is no effect '%s'; gazewall inspect lists them all", name);
 }
 
-static gw_features features_of_material(const gw_material *material, float mirror_roughness) {
+gw_features gw_features_of_material(const gw_material *material, float mirror_roughness) {
     gw_features bits = 0;
     if (material->base_color_texture >= 0)
         bits |= GW_FEATURE_TEXTURES;
@@ -89,7 +89,7 @@ gw_features gw_features_of_scene(const gw_scene *scene, const gw_octree *octree,
     for (uint32_t i = 0; i < scene->triangle_count; ++i) {
         uint32_t material = scene->material_of[i];
         if (material != last)
-            bits |= features_of_material(&scene->materials[material], mirror_roughness);
+            bits |= gw_features_of_material(&scene->materials[material], mirror_roughness);
         last = material;
     }
     if (scene->colors)

@@ -15,6 +15,7 @@
 
 /* A set of effects, one bit each. */
 typedef uint64_t gw_features;
+enum { GW_MOST_FEATURES = 64 };
 #define GW_FEATURE_BIT(number) (UINT64_C(1) << (number))
 #define GW_FEATURE_TEXTURES GW_FEATURE_BIT(0)
 #define GW_FEATURE_VERTEX_COLORS GW_FEATURE_BIT(1)
@@ -77,6 +78,7 @@ extern const size_t gw_feature_count;
 gw_code gw_feature_of_name(const char *name, gw_features *bit, gw_error *error);
 
 /* mirror_roughness: up to which metal is a mirror. */
+gw_features gw_features_of_material(const gw_material *material, float mirror_roughness);
 gw_features gw_features_of_scene(const gw_scene *scene, const gw_octree *octree, float mirror_roughness);
 /* viewers: gazes that are usable, which may be fewer than state->gaze_count. */
 gw_features gw_features_of_frame(const gw_frame_state *state, uint32_t viewers, gw_features scene_features);

@@ -69,8 +69,9 @@ gw_code gw_renderer_create(gw_gl *device, const gw_scene *scene, const gw_octree
                                      (renderer->forced_features & GW_EXTENSION_FEATURES) != 0,
                                      &renderer->buffers, error);
     if (!code)
-        code = gw_gl_buffer_create(device, "totals", GW_TOTAL_WORDS * sizeof(uint32_t), NULL, 0,
-                                   &renderer->totals, error);
+        code = gw_gl_buffer_create(device, "totals",
+                                   (GW_TOTAL_WORDS + (size_t)scene->material_count) * sizeof(uint32_t), NULL,
+                                   0, &renderer->totals, error);
     if (!code)
         code = gw_gl_buffer_create(device, "frame block", sizeof(gw_frame_block), NULL, 0, &renderer->frame,
                                    error);
@@ -266,42 +267,6 @@ gw_code gw_renderer_kernel(gw_renderer *renderer, const char *name, const gw_ker
     return code;
 }
 
-static json_t *skipped_feature(const gw_renderer *renderer, const gw_feature_row *row) {
-    const int open = !renderer->has_drawn && (row->bit & GW_FRAME_FEATURES);
-    return json_pack("{s:s, s:s}", "name", row->name, "why",
-                     open ? "each frame decides; none was drawn" : row->absent);
-}
-
-gw_code gw_renderer_report(const gw_renderer *renderer, json_t *report, gw_error *error) {
-    json_t *run = json_array(), *skipped = json_array(), *forced = json_array(), *forbidden = json_array();
-    int failed = !run || !skipped || !forced || !forbidden;
-    gw_features called_for = renderer->scene_features | renderer->last_features;
-    for (size_t i = 0; i < gw_feature_count && !failed; ++i) {
-        const gw_feature_row *row = &gw_feature_rows[i];
-        if (renderer->forbidden_features & row->bit)
-            failed = json_array_append_new(forbidden, json_string(row->name));
-        else if (called_for & row->bit)
-            failed = json_array_append_new(run, json_string(row->name));
-        else if (renderer->forced_features & row->bit)
-            failed = json_array_append_new(forced, json_string(row->name));
-        else
-            failed = json_array_append_new(skipped, skipped_feature(renderer, row));
-    }
-    json_t *effects = failed ? NULL
-                             : json_pack("{s:O, s:O, s:O, s:O}", "run", run, "skipped", skipped, "forced",
-                                         forced, "forbidden", forbidden);
-    json_t *rebuild = effects && renderer->moving ? gw_moving_report(renderer->moving) : NULL;
-    if (effects && renderer->moving)
-        failed = json_object_set_new(report, "rebuild", rebuild);
-    json_decref(run);
-    json_decref(skipped);
-    json_decref(forced);
-    json_decref(forbidden);
-    if (!effects || failed || json_object_set_new(report, "effects", effects))
-        return gw_fail(error, GW_MACHINE, "no memory for the report of effects");
-    return GW_OK;
-}
-
 gw_renderer_parts gw_renderer_parts_of(const gw_renderer *renderer) {
     const gw_scene_buffers *scene = &renderer->buffers;
     uint64_t secondary = 0;
@@ -341,4 +306,9 @@ void gw_counters_add(gw_counters *to, const gw_counters *from) {
     to->resumed += from->resumed;
     if (from->loop_iterations > to->loop_iterations)
         to->loop_iterations = from->loop_iterations;
+    for (size_t i = 0; i < GW_MOST_FEATURES; ++i) {
+        to->effects[i].frames += from->effects[i].frames;
+        to->effects[i].idle += from->effects[i].idle;
+        to->effects[i].met += from->effects[i].met;
+    }
 }

@@ -24,6 +24,12 @@
 
 typedef struct gw_renderer gw_renderer;
 
+/* Whether an effect that was called for got something to do. */
+typedef struct gw_effect_use {
+    uint64_t met;          /* its rays, or fragments of materials that call for it */
+    uint32_t frames, idle; /* in which it ran and its use was counted; those in which it met nothing */
+} gw_effect_use;
+
 /* Deterministic work of one frame. steps to voxel_rays are zero unless counting was on. */
 typedef struct gw_counters {
     uint64_t rays, steps, node_loads, triangle_tests, voxels;
@@ -35,6 +41,8 @@ typedef struct gw_counters {
     uint64_t resumed;         /* further dispatches of suspended rays, summed over rays; always counted */
     uint64_t loop_iterations; /* the most of one ray in one dispatch, of the loop budget: no sum; 0 unless
                                  counting was on */
+    /* By the number of each effect's bit. Those of materials, and voxels, only with counting. */
+    gw_effect_use effects[GW_MOST_FEATURES];
 } gw_counters;
 void gw_counters_add(gw_counters *to, const gw_counters *from);
 
@@ -124,9 +132,11 @@ gw_code gw_renderer_trace_variant(gw_renderer *renderer, const gw_trace_variant 
                                   size_t ray_count, gw_hit *hits, gw_counters *counters, gw_trace_time *time,
                                   gw_error *error);
 
-/* Adds "effects": {run, skipped: [{name, why}], forced, forbidden} to a report, and for a scene that moves
- * "rebuild" (render/moving.h). */
-gw_code gw_renderer_report(const gw_renderer *renderer, json_t *report, gw_error *error);
+/* Adds "effects": {run, skipped: [{name, why}], forced, forbidden, met: {name: {met, frames, idle}}} to a
+ * report, and for a scene that moves "rebuild" (render/moving.h). counters: of all that was drawn; NULL:
+ * nothing was. */
+gw_code gw_renderer_report(const gw_renderer *renderer, const gw_counters *counters, json_t *report,
+                           gw_error *error);
 /* Bytes on the GPU, by what they hold. */
 typedef struct gw_renderer_parts {
     uint64_t nodes, references,

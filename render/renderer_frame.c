@@ -306,8 +306,12 @@ gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement,
     renderer->loop_iterations = 0;
     renderer->last_features = gw_features_of_frame(state, job.block.counts[0], renderer->scene_features);
     gw_scene_buffers_bind(&renderer->buffers, state->texture_filter);
-    code = job.key.features & GW_FEATURE_ACCUMULATE ? accumulate(&job, placement, plane, error)
-                                                    : draw_once(&job, error);
+    code = gw_effects_begin(&job, error);
+    if (!code)
+        code = job.key.features & GW_FEATURE_ACCUMULATE ? accumulate(&job, placement, plane, error)
+                                                        : draw_once(&job, error);
+    if (!code)
+        code = gw_effects_end(&job, error);
     if (code)
         return gw_context(error, "frame %u", state->frame);
     job.counters.loop_iterations = renderer->loop_iterations;

@@ -246,6 +246,9 @@ const char *gw_tone_defines(gw_features features, char text[128]);
 /* The pixels of a chunk once more from its sums. */
 gw_code gw_frame_kept_pixels(gw_frame_job *job, size_t pixel_slots, gw_error *error);
 
+/* renderer_effects.c: what effects get to do is counted from the first to the second. */
+gw_code gw_effects_begin(gw_frame_job *job, gw_error *error);
+gw_code gw_effects_end(gw_frame_job *job, gw_error *error);
 /* renderer_accumulate.c: a frame of this view that shows `samples` samples; what is kept of another view, or
  * of more samples, is forgotten. */
 gw_code gw_accumulation_begin(gw_accumulation *kept, const gw_accumulation_view *view, uint32_t samples,

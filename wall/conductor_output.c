@@ -250,7 +250,7 @@ gw_code gw_conductor_finish(gw_conductor *conductor, struct gw_rank *rank, gw_er
     gw_report_predicted_error(conductor->report, &conductor->predicted, last,
                               gw_budget_json(&conductor->budget));
     if (!code && rank->renderer)
-        code = gw_renderer_report(rank->renderer, conductor->report, error);
+        code = gw_renderer_report(rank->renderer, &conductor->counters, conductor->report, error);
     if (!code && options->draw.report) {
         gw_interrupt_hold();
         code = gw_report_write(conductor->report, options->draw.report, error);

@@ -287,7 +287,7 @@ static gw_code inspect_scene(gw_model *model, const inspect_options *o, const gw
     if (!code)
         code = gw_renderer_create(model->device, model->scene, model->octree, &how, &renderer, error);
     if (!code)
-        code = gw_renderer_report(renderer, report, error);
+        code = gw_renderer_report(renderer, NULL, report, error);
     if (!code)
         gw_inspect_octree(model, renderer, &inspected);
     gw_renderer_destroy(&renderer);

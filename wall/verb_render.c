@@ -393,7 +393,7 @@ static gw_code fill_report(render *r, gw_error *error) {
     if (r->triple)
         json_object_set(r->report, "triple", r->triple);
     gw_code code = gw_report_floats(r->report, r->model.device, error);
-    return code ? code : gw_renderer_report(r->renderer, r->report, error);
+    return code ? code : gw_renderer_report(r->renderer, &r->counters, r->report, error);
 }
 
 static gw_code write_results(render *r, gw_error *error) {

@@ -167,7 +167,7 @@ GW_STRUCT_END(gw_gpu_light)
 #define GW_LUMINANCE_FIRST ((127 - 20) << 2)
 
 // Totals of one chunk: cap hits, NaN pixels, length of the queue, shadow or secondary rays; with COUNT: the most iterations that a
-// ray took in one dispatch.
+// ray took in one dispatch, and behind the totals the frame's fragments of each material.
 #define GW_TOTAL_ITERATIONS 4
 #define GW_TOTAL_WORDS 5
 #endif

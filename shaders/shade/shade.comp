@@ -75,6 +75,14 @@ float composite_provisional(uint slot, float opacity, inout float left) {
 }
 #endif
 
+#ifdef COUNT
+// What effects of materials got to do: fragments of each.
+void count_material(uint id) {
+    if ((id & GW_FRAGMENT_VOXEL) == 0u)
+        atomicAdd(totals[GW_TOTAL_WORDS + texelFetch(faces, int(id)).w], 1u);
+}
+#endif
+
 // sum: radiance and weight of all that was shaded; left: what of the ray met nothing.
 vec3 finish(vec4 sum, float left) {
     float behind = left >= OPAQUE_REMAINDER ? left : 0.0;
@@ -133,6 +141,9 @@ void main() {
 #ifdef GUIDES
         if (weight > uintBitsToFloat(guide.w))
             guide = uvec4(id, floatBitsToUint(t), packSnorm4x8(vec4(surface.normal, 0.0)), floatBitsToUint(weight));
+#endif
+#ifdef COUNT
+        count_material(id);
 #endif
         precise vec3 lit = light_surface(surface, view, slot * FRAGMENTS + i);
 #ifdef SECONDARY

@@ -8,6 +8,7 @@
 #include "tests/support/renders.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <unistd.h>
 
 enum { SIDE = 16, PIXELS = SIDE * SIDE };
@@ -132,7 +133,7 @@ static int has_name(const char *text, const char *name, size_t length) {
 static void nothing_called_for_is_compiled(void **state) {
     (void)state;
     json_t *report = json_object(), *run;
-    check_ok(gw_renderer_report(plain, report, &error));
+    check_ok(gw_renderer_report(plain, NULL, report, &error));
     run = json_object_get(json_object_get(report, "effects"), "run");
     assert_true(json_is_array(run));
     if (json_array_size(run) > 0)
@@ -269,6 +270,57 @@ static size_t judge_names(const char *name, const char *full, const char *less, 
     return count;
 }
 
+/* What a renderer's report says of one effect's use; NULL: it says nothing. */
+static json_t *use_of(json_t *report, const char *effect) {
+    return json_object_get(json_object_get(json_object_get(report, "effects"), "met"), effect);
+}
+
+static void expect_use(gw_renderer *renderer, const gw_counters *counters, const char *effect, int met,
+                       int frames, int idle) {
+    json_t *report = json_object();
+    check_ok(gw_renderer_report(renderer, counters, report, &error));
+    const json_t *use = use_of(report, effect);
+    assert_non_null(use);
+    assert_int_equal(json_integer_value(json_object_get(use, "met")) > 0, met);
+    assert_int_equal(json_integer_value(json_object_get(use, "frames")), frames);
+    assert_int_equal(json_integer_value(json_object_get(use, "idle")), idle);
+    json_decref(report);
+}
+
+/* A mirror and a lamp that the scene has, seen and not seen. */
+static void effects_that_meet_nothing_are_idle(void **state) {
+    (void)state;
+    gw_material materials[2] = {stage.scene->materials[0], stage.scene->materials[0]};
+    uint32_t material_of[256] = {0};
+    gw_scene scene = *stage.scene;
+    assert_true(scene.triangle_count <= 256);
+    materials[1].metalness = 1;
+    materials[1].roughness = 0;
+    materials[1].emissive[1] = 1;
+    /* One of the two spheres: what lies to the right. */
+    for (uint32_t i = 0; i < scene.triangle_count; ++i)
+        material_of[i] = ldexp((double)scene.positions[(size_t)scene.triangles[i][0] * 3], scene.exponent) +
+                             scene.centre[0] >
+                         0.5;
+    scene.materials = materials;
+    scene.material_of = material_of;
+    scene.material_count = 2;
+    const gw_renderer_options options = {.count = 1};
+    gw_renderer *renderer = NULL;
+    check_ok(gw_renderer_create(stage.device, &scene, stage.octree, &options, &renderer, &error));
+    gw_counters counters = {0};
+    gw_camera away = camera;
+    gw_camera_look(&away, &stage, (const double[]){0.3, 0.4, 3}, (const double[]){-0.6, 0, 0}, 8, SIDE);
+    free(gw_camera_take(&away, renderer, &counters));
+    expect_use(renderer, &counters, "emissive", 0, 1, 1);
+    expect_use(renderer, &counters, "mirror", 0, 1, 1);
+    free(gw_camera_take(&camera, renderer, &counters));
+    expect_use(renderer, &counters, "emissive", 1, 2, 1);
+    expect_use(renderer, &counters, "mirror", 1, 2, 1);
+    assert_true(counters.mirror_rays > 0 && counters.mirror_rays < counters.rays);
+    gw_renderer_destroy(&renderer);
+}
+
 /* Every row's define takes code of its own into some kernel of a frame that has them all; and none of the
  * names that are only the row's are in the kernels of the plain frame. */
 static void left_out_effects_leave_no_text(void **state) {
@@ -336,6 +388,7 @@ int main(void) {
         cmocka_unit_test(forced_effects_change_no_pixel),
         cmocka_unit_test(forced_effects_change_no_lit_pixel),
         cmocka_unit_test(left_out_effects_leave_no_text),
+        cmocka_unit_test(effects_that_meet_nothing_are_idle),
         cmocka_unit_test(an_effect_that_changes_pixels_is_found),
     };
     return cmocka_run_group_tests(tests, open_stage, close_stage);

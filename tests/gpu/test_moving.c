@@ -142,7 +142,7 @@ static void nothing_is_allocated_for_a_pose_seen_before(void **state) {
     assert_int_equal(second_round.made, first.made);
     assert_true(second_round.reused > first.reused + 100);
     json_t *report = json_object();
-    check_ok(gw_renderer_report(moving, report, &error));
+    check_ok(gw_renderer_report(moving, NULL, report, &error));
     const json_t *rebuild = json_object_get(report, "rebuild");
     assert_int_equal(json_integer_value(json_object_get(rebuild, "rebuilds")),
                      3 * TIMES - 4); /* once at 0, and 0.5 twice */
@@ -161,7 +161,7 @@ static void a_still_scene_pays_nothing(void **state) {
     check_ok(gw_stage_open(&stage, scene, NULL, depth, &error));
     gw_renderer *renderer = mover(&stage), *plain = gw_stage_renderer(&stage);
     json_t *report = json_object();
-    check_ok(gw_renderer_report(renderer, report, &error));
+    check_ok(gw_renderer_report(renderer, NULL, report, &error));
     assert_null(json_object_get(report, "rebuild"));
     assert_int_equal(gw_renderer_bytes(renderer), gw_renderer_bytes(plain));
     assert_int_equal(gw_gl_pool_counts_of(stage.device).reused, 0);

@@ -245,7 +245,7 @@ static void the_report_tells_what_ran_and_why_not(void **state) {
     (void)state;
     json_t *report = json_object();
     uint8_t *rgba = picture(&mixed, renderer, NULL);
-    check_ok(gw_renderer_report(renderer, report, &error));
+    check_ok(gw_renderer_report(renderer, NULL, report, &error));
     char *text = json_dumps(report, JSON_COMPACT);
     assert_non_null(text);
     assert_non_null(strstr(text, "\"run\":[\"textures\""));

@@ -137,6 +137,8 @@ gw_code gw_renderer_trace_variant(gw_renderer *renderer, const gw_trace_variant 
  * nothing was. */
 gw_code gw_renderer_report(const gw_renderer *renderer, const gw_counters *counters, json_t *report,
                            gw_error *error);
+/* Effects that the scene and the last frame called for, but for the forbidden ones. */
+gw_features gw_renderer_features(const gw_renderer *renderer);
 /* Bytes on the GPU, by what they hold. */
 typedef struct gw_renderer_parts {
     uint64_t nodes, references,

@@ -80,6 +80,10 @@ gw_code gw_effects_end(gw_frame_job *job, gw_error *error) {
     return code;
 }
 
+gw_features gw_renderer_features(const gw_renderer *renderer) {
+    return (renderer->scene_features | renderer->last_features) & ~renderer->forbidden_features;
+}
+
 /* {name: {met, frames, idle}} of the effects whose use is known. */
 static json_t *met_by_effects(const gw_counters *counters) {
     json_t *object = json_object();

@@ -61,6 +61,9 @@ gw_code gw_bench_scale(gw_bench *bench, gw_error *error);
 /* Figure 5 of Weier et al. 2014: error and flicker of a scene seen whole, one ray a pixel. */
 gw_code gw_bench_aliasing(gw_bench *bench, gw_error *error);
 
+/* The price list: each scene with each effect and without, and with effects that nothing calls for. */
+gw_code gw_bench_effects(gw_bench *bench, gw_error *error);
+
 /* Many models at once, each with its own octree and renderer on one device. */
 gw_code gw_bench_resident(gw_bench *bench, gw_error *error);
 
@@ -94,7 +97,8 @@ gw_code gw_bench_measure(const gw_bench *bench, const gw_scene *scene, const gw_
 gw_code gw_bench_write(const gw_bench *bench, const char *name, const char *rows, size_t size,
                        gw_error *error);
 
-/* Writes FOLDER/NAME.svg. */
+/* Writes FOLDER/NAME.svg: a text, or a plot. */
+gw_code gw_bench_svg(const gw_bench *bench, const char *name, const char *svg, size_t size, gw_error *error);
 gw_code gw_bench_plot(const gw_bench *bench, const char *name, const gw_plot *plot, gw_error *error);
 
 #endif

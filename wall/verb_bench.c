@@ -42,6 +42,7 @@ static const bench_kind kinds[] = {
     {"scale", gw_bench_scale, NEEDS_OCTREE, 0, 0},
     {"aliasing", gw_bench_aliasing, NEEDS_SCENES, 0, 0},
     {"tracking", gw_bench_tracking, NEEDS_NO_DEVICE, 0, 0},
+    {"effects", gw_bench_effects, NEEDS_SCENES, 0, 0},
 };
 enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };
 
@@ -67,11 +68,10 @@ static const struct argp_option options_table[] = {
     {"quick", KEY_QUICK, NULL, 0, "fewer repeats and rays: shows that it works, measures little", 1},
     {"repeats", KEY_REPEATS, "N", 0, "1 to 1000; default 7 (quick 2), of modes 3 (1)", 1},
     {"size", KEY_SIZE, "WxH", 0,
-     "px, of the picture that modes draws (default 1024x1024, quick 128x128) and whose rays peers and "
-     "layouts "
-     "trace (1024x576, quick 160x90)",
+     "px, of the picture that modes draws (default 1024x1024, quick 128x128), that effects draws (384x384, "
+     "quick 96x96), and whose rays peers and layouts trace (1024x576, quick 160x90)",
      1},
-    {"path", KEY_PATH, "NAME", 0, "camera path that modes follows, by name or number; default: the first", 1},
+    {"path", KEY_PATH, "NAME", 0, "camera path that modes follows and effects looks from the middle of, by name or number; default: the first", 1},
     {"point-light", KEY_POINT_LIGHT, NULL, 0,
      "modes: one point light with hard shadows instead of the scene's lights, as in the paper", 1},
     {"density", KEY_DENSITY, "N", 0,
@@ -95,10 +95,10 @@ static gw_code add_scene(gw_bench *bench, const char *path, gw_error *error) {
 }
 
 /* "build, peers ... or rebuild". */
-static const char *names_of_kinds(char text[200]) {
+static const char *names_of_kinds(char text[240]) {
     size_t used = 0;
     for (size_t i = 0; i < KIND_COUNT; i++)
-        used += (size_t)snprintf(text + used, 200 - used, "%s%s",
+        used += (size_t)snprintf(text + used, 240 - used, "%s%s",
                                  i == 0                ? ""
                                  : i + 1 == KIND_COUNT ? " or "
                                                        : ", ",
@@ -121,7 +121,7 @@ static gw_code choose_kind(bench_options *o, const char *word, gw_error *error) 
         return gw_fail(error, GW_BAD_INPUT, "'%s' is one word too many; bench measures one thing at a time",
                        word);
     const char *near = gw_suggest(word, names, KIND_COUNT);
-    char all[200];
+    char all[240];
     return gw_fail(error, GW_BAD_INPUT, "there is no bench '%s'; it is %s%s%s%s", word, names_of_kinds(all),
                    near ? " (did you mean '" : "", near ? near : "", near ? "'?)" : "");
 }
@@ -178,7 +178,7 @@ static const struct argp bench_argp = {
     .options = options_table,
     .parser = parse_bench,
     .args_doc = "build|peers|modes|layouts|table2 [SCENE...]|growth|resident "
-                "[SCENE...]|voxelise|rebuild|scale|aliasing [SCENE...]|tracking",
+                "[SCENE...]|voxelise|rebuild|scale|aliasing [SCENE...]|tracking|effects [SCENE...]",
     .children = children,
     .doc =
         "build: builds the scene's octree again and again; medians, phases, pairs, bytes a triangle.\n"
@@ -218,6 +218,11 @@ static const struct argp bench_argp = {
         "tracking: filters of heads and gazes on people made by formula, through the whole tracker: lag "
         "against the "
         "true path, jitter at rest, error when a frame is seen, saccades found, processor time a sample.\n"
+        "effects: the price list: each SCENE (without: --scene, or the demo) drawn with each effect that it calls "
+        "for and "
+        "without, at full quality and foveated, and with effects that nothing calls for: rays, work, bytes, "
+        "time, "
+        "the error of leaving it out; a chart. --quick: a small picture, the unused ones all at once.\n"
         "rebuild: octrees of an animated scene, pose after pose, built anew and rebuilt: time, buffers; "
         "fails when they differ.\v"
         "Examples:\n"
@@ -251,15 +256,21 @@ static void choose_depth(const bench_kind *kind, gw_settings *settings) {
         settings->octree_depth = kind->depth ? kind->depth : defaults.octree_depth;
 }
 
-gw_code gw_bench_plot(const gw_bench *bench, const char *name, const gw_plot *plot, gw_error *error) {
-    char *svg = NULL, *path = gw_picture_path(bench->out, "%s.svg", name);
-    size_t size = 0;
-    gw_code code = path ? gw_plot_svg(plot, &svg, &size, error)
+gw_code gw_bench_svg(const gw_bench *bench, const char *name, const char *svg, size_t size, gw_error *error) {
+    char *path = gw_picture_path(bench->out, "%s.svg", name);
+    gw_code code = path ? gw_file_write(path, svg, size, error)
                         : gw_fail(error, GW_MACHINE, "memory is out while naming results");
-    if (!code)
-        code = gw_file_write(path, svg, size, error);
-    free(svg);
     free(path);
+    return code;
+}
+
+gw_code gw_bench_plot(const gw_bench *bench, const char *name, const gw_plot *plot, gw_error *error) {
+    char *svg = NULL;
+    size_t size = 0;
+    gw_code code = gw_plot_svg(plot, &svg, &size, error);
+    if (!code)
+        code = gw_bench_svg(bench, name, svg, size, error);
+    free(svg);
     return code;
 }
 
@@ -305,11 +316,12 @@ static gw_code check_heeded(const bench_options *o, gw_error *error) {
     const gw_bench *bench = &o->bench;
     gw_code (*const run)(gw_bench *, gw_error *) = o->kind->run;
     const int modes = run == gw_bench_modes_run, aliasing = run == gw_bench_aliasing;
+    const int effects = run == gw_bench_effects;
     const int draws =
-        modes || aliasing || run == gw_bench_peers || run == gw_bench_layouts || run == gw_bench_resident;
+        modes || aliasing || effects || run == gw_bench_peers || run == gw_bench_layouts || run == gw_bench_resident;
     const char *lost = bench->size[0] && !draws               ? "--size"
                        : bench->frames && !modes && !aliasing ? "--frames"
-                       : bench->path && !modes                ? "--path"
+                       : bench->path && !modes && !effects    ? "--path"
                        : bench->point_light && !modes         ? "--point-light"
                        : bench->density > 0 && !modes         ? "--density"
                        : bench->times_only && !modes          ? "--times-only"
@@ -324,7 +336,7 @@ static gw_code check_heeded(const bench_options *o, gw_error *error) {
 
 int gw_verb_bench(int argc, char **argv) {
     static bench_options o;
-    char all[200];
+    char all[240];
     gw_bench *bench = &o.bench;
     gw_error error = {0};
     int helped = 0;

@@ -111,6 +111,9 @@
     GW_ROW(near_light, INTEGER, 32, 0, 255, "", FRAME, "reaches", "light through joints of voxels against light on foliage", \
            "shadow_tau 0",                                                                                              \
            "nearer to a point light than this many heights of its voxels, what shows as a voxel has its shadow's ray start beyond them") \
+    GW_ROW(environment_lights, INTEGER, 8, 0, 64, "", FRAME, "lights", "shadows of skies and lamps in an environment against rays",   \
+           "64, and brute-force integration over the environment",                                                      \
+           "most lights that stand for what is brightest in an environment and cast shadows; 0: its light has none")      \
     GW_ROW(mirror_roughness, REAL, 0.02, 0.0, 0.25, "", FRAME, "", "rough metal shown as a mirror against rays", "0",      \
            "metal (metalness 1) of at most this roughness is a perfect mirror, whose reflections are traced")            \
     GW_ROW(bounces, INTEGER, 4, 0, 8, "", FRAME, "", "mirrors in mirrors and what stands behind glass against rays", "8",   \

@@ -26,6 +26,7 @@ typedef enum section {
     WELDED,
     ANIMATION, /* a block of its own; empty when nothing moves */
     PATH,
+    ENVIRONMENT,
     SECTION_COUNT
 } section;
 
@@ -42,6 +43,8 @@ typedef struct header {
     uint32_t vertex_count, triangle_count, material_count, texture_count, light_count, viewpoint_count;
     uint32_t welded_count, has_colors, has_second_texcoords, has_extensions;
     int32_t exponent;
+    uint32_t environment_size[2];
+    float environment_scale, environment_rotation;
     float ambient[3], background[3];
     double centre[3], bounds[2][3];
     gw_placement placement;
@@ -49,7 +52,7 @@ typedef struct header {
 } header;
 
 static const gw_block_head kind = {
-    .magic = {'G', 'W', 'S', 'C', 'E', 'N', 'E', ' '}, .version = 6, .section_count = SECTION_COUNT};
+    .magic = {'G', 'W', 'S', 'C', 'E', 'N', 'E', ' '}, .version = 7, .section_count = SECTION_COUNT};
 static const char what[] = "the shared scene";
 
 /* Sizes of all sections from the counts of a header; the reader compares with what the block claims. */
@@ -72,6 +75,7 @@ static void section_sizes(const header *head, uint64_t pixel_bytes, uint64_t ani
     sizes[WELDED] = vertices * sizeof(uint32_t);
     sizes[ANIMATION] = animation_bytes;
     sizes[PATH] = path_bytes;
+    sizes[ENVIRONMENT] = (uint64_t)head->environment_size[0] * head->environment_size[1] * 4;
 }
 
 static uint64_t texture_bytes(const gw_texture *texture) {
@@ -93,6 +97,10 @@ static void make_header(const gw_scene *scene, header *head) {
     head->has_extensions = scene->extensions != NULL;
     head->welded_count = scene->welded_count;
     head->exponent = scene->exponent;
+    head->environment_size[0] = scene->environment.rgbe.width;
+    head->environment_size[1] = scene->environment.rgbe.height;
+    head->environment_scale = scene->environment.scale;
+    head->environment_rotation = scene->environment.rotation;
     memcpy(head->ambient, scene->ambient, sizeof head->ambient);
     memcpy(head->background, scene->background, sizeof head->background);
     memcpy(head->centre, scene->centre, sizeof head->centre);
@@ -148,7 +156,8 @@ void gw_pack_scene(const gw_scene *scene, void *block) {
                                          [LIGHTS] = scene->lights,
                                          [VIEWPOINTS] = scene->viewpoints,
                                          [WELDED] = scene->welded,
-                                         [PATH] = scene->path ? scene->path : ""};
+                                         [PATH] = scene->path ? scene->path : "",
+                                         [ENVIRONMENT] = scene->environment.rgbe.rgba};
     memset(block, 0, (size_t)head.head.size);
     memcpy(block, &head, sizeof head);
     for (int i = 0; i < SECTION_COUNT; i++)
@@ -171,6 +180,9 @@ static gw_code check_sections(const uint8_t *block, size_t size, const header *h
     section_sizes(head, head->sections[PIXELS].size, head->sections[ANIMATION].size,
                   head->sections[PATH].size, sizes);
     gw_code code = gw_block_check_spans(head->sections, sizes, SECTION_COUNT, size, what, error);
+    const uint32_t *environment = head->environment_size;
+    if (!code && environment[0] != 2 * (uint64_t)environment[1])
+        code = broken(error, "its environment is not twice as wide as high");
     const gw_block_span *path = &head->sections[PATH];
     if (!code && (path->size < 1 || block[path->offset + path->size - 1]))
         code = broken(error, "its name has no end");
@@ -257,6 +269,12 @@ static void view_scene(uint8_t *block, const header *head, gw_scene *scene) {
     scene->lights = AT(LIGHTS);
     scene->viewpoint_count = head->viewpoint_count;
     scene->viewpoints = AT(VIEWPOINTS);
+    if (head->environment_size[0] > 0)
+        scene->environment = (gw_environment){.rgbe = {.width = head->environment_size[0],
+                                                       .height = head->environment_size[1],
+                                                       .rgba = AT(ENVIRONMENT)},
+                                              .scale = head->environment_scale,
+                                              .rotation = head->environment_rotation};
     memcpy(scene->ambient, head->ambient, sizeof scene->ambient);
     memcpy(scene->background, head->background, sizeof scene->background);
     scene->placement = head->placement;

@@ -32,6 +32,7 @@ void gw_scene_destroy(gw_scene **scene_address) {
     free(scene->textures);
     free(scene->extensions);
     free(scene->lights);
+    gw_image_finish(&scene->environment.rgbe);
     free(scene->viewpoints);
     free(scene->paths);
     free(scene->notes);
@@ -122,6 +123,12 @@ static gw_hash hash_appearance(gw_hash hash, const gw_scene *scene) {
             hash = gw_hash_bytes(hash, shape, sizeof shape);
             hash = gw_hash_bytes(hash, light->sides, sizeof light->sides);
         }
+    }
+    if (scene->environment.rgbe.rgba) {
+        const gw_image *rgbe = &scene->environment.rgbe;
+        const float place[2] = {scene->environment.scale, scene->environment.rotation};
+        hash = gw_hash_bytes(hash, place, sizeof place);
+        hash = gw_hash_bytes(hash, rgbe->rgba, (size_t)rgbe->width * rgbe->height * 4);
     }
     hash = gw_hash_bytes(hash, scene->ambient, sizeof scene->ambient);
     return gw_hash_bytes(hash, scene->background, sizeof scene->background);

@@ -97,6 +97,13 @@ typedef struct gw_light {
     float sides[2][3]; /* rectangle: its sides, m; it shines along sides[0] x sides[1] */
 } gw_light;
 
+/* A picture of all directions, as render/environment.h lies it round the scene. */
+typedef struct gw_environment {
+    gw_image rgbe;  /* as build/radiance_hdr.h, twice as wide as high; no bytes: there is none */
+    float scale;    /* radiance of a picture's unit */
+    float rotation; /* rad, to the right about y */
+} gw_environment;
+
 typedef struct gw_viewpoint {
     char name[64];
     double eye[3], look_at[3]; /* scene metres */
@@ -196,6 +203,7 @@ typedef struct gw_scene {
     gw_material_extension *extensions; /* [material_count], NULL when no material has any */
     gw_texture *textures;
     gw_light *lights;
+    gw_environment environment;
     gw_viewpoint *viewpoints;
     gw_camera_path *paths;
     float ambient[3];    /* linear irradiance from everywhere */

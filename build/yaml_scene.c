@@ -4,6 +4,7 @@
 #include "base/yaml.h"
 #include "build/demo_scene.h"
 #include "build/import_internal.h"
+#include "build/yaml_environment.h"
 #include "build/yaml_light.h"
 #include "build/yaml_model.h"
 #include "build/yaml_view.h"
@@ -11,8 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const scene_keys[] = {"version", "models",     "placement",  "lights",
-                                         "ambient", "background", "viewpoints", "paths"};
+static const char *const scene_keys[] = {"version",    "models",      "placement",  "lights", "ambient",
+                                         "background", "environment", "viewpoints", "paths"};
 
 static gw_code check_version(const gw_yaml_node *root, gw_error *error) {
     const gw_yaml_node *version = gw_yaml_find(root, "version");
@@ -33,19 +34,22 @@ static gw_code read_color(const gw_yaml_node *node, const char *key, float out[3
     return code;
 }
 
-static gw_code read_surroundings(const gw_yaml_node *root, gw_scene *scene, gw_scene_given *given,
-                                 gw_error *error) {
+static gw_code read_surroundings(const gw_yaml_node *root, const char *path, gw_scene *scene,
+                                 gw_scene_given *given, gw_error *error) {
     const gw_yaml_node *ambient = gw_yaml_find(root, "ambient"),
                        *background = gw_yaml_find(root, "background");
     const gw_yaml_node *lights = gw_yaml_find(root, "lights");
+    const gw_yaml_node *environment = gw_yaml_find(root, "environment");
     gw_code code = lights ? gw_yaml_read_lights(lights, scene, error) : GW_OK;
+    if (code == GW_OK && environment)
+        code = gw_yaml_read_environment(environment, path, &scene->environment, error);
     if (code == GW_OK && ambient)
         code = read_color(ambient, "ambient", scene->ambient, error);
     if (code == GW_OK && background)
         code = read_color(background, "background", scene->background, error);
-    given->lights |= lights != NULL || scene->light_count > 0;
-    given->ambient |= ambient != NULL;
-    given->background |= background != NULL;
+    given->lights |= lights != NULL || environment != NULL || scene->light_count > 0;
+    given->ambient |= ambient != NULL || environment != NULL;
+    given->background |= background != NULL || environment != NULL;
     return code;
 }
 
@@ -61,7 +65,7 @@ static gw_code read_scene(const gw_yaml_node *root, const char *path, const gw_i
     if (code == GW_OK)
         code = gw_yaml_read_models(root, path, options, model, given, error);
     if (code == GW_OK)
-        code = read_surroundings(root, model->scene, given, error);
+        code = read_surroundings(root, path, model->scene, given, error);
     return code;
 }
 

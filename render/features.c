@@ -18,6 +18,7 @@ const gw_feature_row gw_feature_rows[] = {
     {GW_FEATURE_DIRECTIONAL_LIGHTS, "directional-lights", "DIRECTIONAL_LIGHTS", "the scene has none"},
     {GW_FEATURE_POINT_LIGHTS, "point-lights", "POINT_LIGHTS", "the scene has none"},
     {GW_FEATURE_SPOT_LIGHTS, "spot-lights", "SPOT_LIGHTS", "no light of the scene has a cone or a range"},
+    {GW_FEATURE_ENVIRONMENT, "environment", "ENVIRONMENT", "the scene has none"},
     {GW_FEATURE_LOD, "lod", "LOD", "tau is 0 wherever it applies, so every ray ends at triangles"},
     {GW_FEATURE_GAZE, "gaze", "GAZE", "no gaze is known, or nothing in the frame depends on it"},
     {GW_FEATURE_WIDE_NODES, "wide-nodes", "WIDE_NODES", "the octree has at most 2^24 nodes"},
@@ -92,6 +93,8 @@ gw_features gw_features_of_scene(const gw_scene *scene, const gw_octree *octree,
             bits |= gw_features_of_material(&scene->materials[material], mirror_roughness);
         last = material;
     }
+    if (scene->environment.rgbe.rgba)
+        bits |= GW_FEATURE_ENVIRONMENT;
     if (scene->colors)
         bits |= GW_FEATURE_VERTEX_COLORS;
     if (scene->normals && has_normal(scene))

@@ -36,22 +36,35 @@ static void fill_light(const gw_scene *scene, const gw_light *in, gw_gpu_light *
     fill_cone(in, out);
 }
 
-gw_code gw_light_list_make(const gw_scene *scene, gw_light_list *out, gw_error *error) {
+static void add_light(const gw_scene *scene, const gw_light *light, int environment, gw_light_list *out) {
+    gw_gpu_light *row = &out->rows[out->directional + out->placed];
+    fill_light(scene, light, row);
+    row->vector[3] = environment ? 1.0f : 0.0f;
+    *(light->kind == GW_LIGHT_DIRECTIONAL ? &out->directional : &out->placed) += 1;
+}
+
+gw_code gw_light_list_make(const gw_scene *scene, const gw_light *environment, uint32_t count,
+                           gw_light_list *out, gw_error *error) {
     memset(out, 0, sizeof *out);
     void *memory = NULL;
-    gw_code code =
-        gw_allocate(&memory, scene->light_count, sizeof(gw_gpu_light), "lights for the GPU", error);
+    gw_code code = gw_allocate(&memory, (size_t)scene->light_count + count, sizeof(gw_gpu_light),
+                               "lights for the GPU", error);
     if (code)
         return code;
     out->rows = memory;
-    uint32_t at = 0;
-    for (int placed = 0; placed < 2; ++placed)
-        for (uint32_t i = 0; i < scene->light_count; ++i)
-            if ((scene->lights[i].kind != GW_LIGHT_DIRECTIONAL) == placed) {
-                fill_light(scene, &scene->lights[i], &out->rows[at++]);
-                *(placed ? &out->placed : &out->directional) += 1;
-            }
+    for (uint32_t i = 0; i < scene->light_count; ++i)
+        if (scene->lights[i].kind == GW_LIGHT_DIRECTIONAL)
+            add_light(scene, &scene->lights[i], 0, out);
+    for (uint32_t i = 0; i < count; ++i)
+        add_light(scene, &environment[i], 1, out);
+    for (uint32_t i = 0; i < scene->light_count; ++i)
+        if (scene->lights[i].kind != GW_LIGHT_DIRECTIONAL)
+            add_light(scene, &scene->lights[i], 0, out);
     return GW_OK;
+}
+
+gw_light_knobs gw_light_knobs_of(const gw_frame_state *state) {
+    return (gw_light_knobs){.environment_lights = state->environment_lights};
 }
 
 void gw_light_list_finish(gw_light_list *list) {

@@ -6,14 +6,24 @@
 #include "base/status.h"
 #include "build/gpu_types.h"
 #include "build/scene.h"
+#include "render/frame_state.h"
 #include "shaders/common/frame.h"
+
+/* What a frame's state says of lights; the rest is the scene's. */
+typedef struct gw_light_knobs {
+    uint8_t environment_lights; /* at most, 0 to GW_MAXIMUM_ENVIRONMENT_LIGHTS */
+} gw_light_knobs;
+
+gw_light_knobs gw_light_knobs_of(const gw_frame_state *state);
 
 typedef struct gw_light_list {
     uint32_t directional, placed; /* rows of each */
     gw_gpu_light *rows;           /* owned */
 } gw_light_list;
 
-gw_code gw_light_list_make(const gw_scene *scene, gw_light_list *out, gw_error *error);
+/* environment: of gw_environment_cut(), `count` of them. */
+gw_code gw_light_list_make(const gw_scene *scene, const gw_light *environment, uint32_t count,
+                           gw_light_list *out, gw_error *error);
 void gw_light_list_finish(gw_light_list *list);
 
 #endif

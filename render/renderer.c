@@ -12,18 +12,31 @@
 enum { DEFAULT_LOOP_BUDGET = 4000, LEAST_LOOP_BUDGET = 32 };
 enum { SOFTWARE_CHUNK = 1 << 17, DEVICE_CHUNK = 1 << 20 };
 
+static uint32_t light_count(const gw_renderer *renderer) {
+    return renderer->buffers.directional_count + renderer->buffers.placed_count;
+}
+
 /* Visibilities of every fragment and light have bounded room as well. */
 size_t gw_renderer_chunk_slots(const gw_renderer *renderer) {
     size_t slots = gw_gl_limits_of(renderer->device)->software ? SOFTWARE_CHUNK : DEVICE_CHUNK;
-    size_t lights = renderer->scene->light_count;
+    size_t lights = light_count(renderer);
     if ((renderer->scene_features & GW_FEATURE_SHADOWS) && lights > GW_CHUNK_LIGHTS)
         slots = (slots * GW_CHUNK_LIGHTS / lights / GW_BLOCK_PIXELS + 16) * GW_BLOCK_PIXELS;
     return slots;
 }
 
+gw_light_knobs gw_renderer_light_knobs(const gw_renderer *renderer, const gw_frame_state *state) {
+    gw_light_knobs knobs = gw_light_knobs_of(state);
+    if (renderer->forbidden_features & (GW_FEATURE_ENVIRONMENT | GW_FEATURE_SHADOWS))
+        knobs.environment_lights = 0; /* they are there for their shadows */
+    return knobs;
+}
+
 gw_code gw_renderer_take_features(gw_renderer *renderer, gw_error *error) {
     gw_features called_for =
         gw_features_of_scene(renderer->scene, renderer->octree, renderer->mirror_roughness);
+    if (renderer->buffers.environment_count > 0)
+        called_for |= GW_FEATURE_DIRECTIONAL_LIGHTS | GW_FEATURE_SHADOWS;
     gw_features missing = called_for & renderer->forbidden_features & GW_NEEDED_FEATURES;
     renderer->scene_features = called_for & ~renderer->forbidden_features;
     for (size_t i = 0; i < gw_feature_count; ++i)
@@ -59,15 +72,20 @@ gw_code gw_renderer_create(gw_gl *device, const gw_scene *scene, const gw_octree
     renderer->forced_features = options->force_features & ~options->forbid_features;
     renderer->forbidden_features = options->forbid_features;
     gw_settings_init(&settings);
-    renderer->mirror_roughness =
-        (float)(options->settings ? options->settings->mirror_roughness : settings.mirror_roughness);
-    code = gw_renderer_take_features(renderer, error);
+    if (options->settings)
+        settings = *options->settings;
+    gw_frame_state state = {0};
+    gw_frame_state_apply(&state, &settings);
+    renderer->mirror_roughness = state.mirror_roughness;
+    renderer->light_knobs = gw_renderer_light_knobs(renderer, &state);
     if (!code && scene->animation && options->settings)
         code = gw_moving_create(device, scene, options->settings, options->log, &renderer->moving, error);
     if (!code)
         code = gw_scene_buffers_init(device, scene, octree,
                                      (renderer->forced_features & GW_EXTENSION_FEATURES) != 0,
-                                     &renderer->buffers, error);
+                                     &renderer->light_knobs, &renderer->buffers, error);
+    if (!code)
+        code = gw_renderer_take_features(renderer, error);
     if (!code)
         code = gw_gl_buffer_create(device, "totals",
                                    (GW_TOTAL_WORDS + (size_t)scene->material_count) * sizeof(uint32_t), NULL,
@@ -144,7 +162,7 @@ void gw_renderer_ray_memory(const gw_renderer *renderer, uint64_t *bytes, uint64
     const uint32_t fragments = gw_kernel_fragments(&key);
     *bytes = bytes_of_ray(renderer, fragments, 1);
     if (renderer->scene_features & GW_FEATURE_SHADOWS)
-        *bytes += gw_shadow_ray_bytes(fragments, renderer->scene->light_count);
+        *bytes += gw_shadow_ray_bytes(fragments, light_count(renderer));
     if (renderer->scene_features & GW_SECONDARY_FEATURES)
         *bytes += gw_secondary_ray_bytes(fragments) + bytes_of_ray(renderer, fragments, 0);
     *rays = gw_renderer_chunk_slots(renderer);
@@ -278,7 +296,7 @@ gw_renderer_parts gw_renderer_parts_of(const gw_renderer *renderer) {
         .voxels = scene->payloads.size + scene->emissions.size,
         .triangles = scene->triangles.size,
         .attributes = scene->faces.size + scene->vertices.size + scene->materials.size + scene->lights.size,
-        .textures = scene->textures.bytes,
+        .textures = scene->textures.bytes + scene->environment.bytes,
         .rays = renderer->totals.size + renderer->luminances.size + renderer->frame.size +
                 renderer->given_rays.size + renderer->found_hits.size +
                 gw_ray_buffers_bytes(&renderer->rays) + gw_sample_buffers_bytes(&renderer->samples) +

@@ -4,6 +4,7 @@
 #include "render/renderer_internal.h"
 
 #include "base/memory.h"
+#include "base/portable_math.h"
 #include "render/frame_block.h"
 
 #include <string.h>
@@ -181,6 +182,19 @@ static gw_code move_scene(gw_renderer *renderer, int64_t time, gw_error *error) 
     return gw_renderer_take_features(renderer, error);
 }
 
+/* Lights stand as the frame's state wants them. */
+static gw_code light_scene(gw_renderer *renderer, const gw_frame_state *state, gw_error *error) {
+    const gw_light_knobs knobs = gw_renderer_light_knobs(renderer, state);
+    if (memcmp(&knobs, &renderer->light_knobs, sizeof knobs) == 0)
+        return GW_OK;
+    gw_code code =
+        gw_scene_buffers_light(renderer->device, renderer->scene, &knobs, &renderer->buffers, error);
+    if (code)
+        return gw_context(error, "the scene's lights");
+    renderer->light_knobs = knobs;
+    return gw_renderer_take_features(renderer, error);
+}
+
 /* Everything about the frame but its chunks. */
 static gw_code begin_frame(gw_frame_job *job, const gw_similarity *placement, const gw_plane *plane,
                            const gw_frame_state *state, gw_error *error) {
@@ -197,6 +211,8 @@ static gw_code begin_frame(gw_frame_job *job, const gw_similarity *placement, co
             rectangle->width, rectangle->height, rectangle->x, rectangle->y);
     uint32_t dropped = 0;
     gw_code code = move_scene(renderer, state->time, error);
+    if (!code)
+        code = light_scene(renderer, state, error);
     if (!code && renderer->mirror_roughness != state->mirror_roughness) {
         renderer->mirror_roughness = state->mirror_roughness;
         code = gw_renderer_take_features(renderer, error);
@@ -210,6 +226,11 @@ static gw_code begin_frame(gw_frame_job *job, const gw_similarity *placement, co
         gw_log_write(renderer->log, GW_LOG_WARNING,
                      "frame %u: %u of %u gazes cannot be used and are left out", state->frame, dropped,
                      state->gaze_count);
+    const gw_environment_textures *environment = &renderer->buffers.environment;
+    job->block.environment[0] = environment->rotation;
+    job->block.environment[1] = (float)(environment->height / GW_PI);
+    job->block.environment[2] = environment->seen ? 1.0f : 0.0f;
+    memcpy(job->block.environment_mean, environment->mean, sizeof environment->mean);
     job->block.counts[1] = renderer->buffers.directional_count;
     job->block.counts[2] = renderer->buffers.placed_count;
     job->block.window[0] = rectangle->x;

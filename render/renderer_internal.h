@@ -123,6 +123,7 @@ struct gw_renderer {
     uint32_t loop_iterations;   /* the most of a ray in a dispatch since the frame or the tracing began */
     gw_features scene_features; /* but for the forbidden ones */
     float mirror_roughness;     /* that they were taken with */
+    gw_light_knobs light_knobs; /* that the scene's lights were made with */
     gw_features forced_features, forbidden_features;
     gw_features last_features; /* of the last frame, for the report */
     int has_drawn;             /* there was one */
@@ -154,6 +155,8 @@ uint64_t gw_ray_buffers_bytes(const gw_ray_buffers *buffers);
 /* Makes the buffer at least that large; contents are lost when it grows. */
 gw_code gw_renderer_grow(gw_renderer *renderer, gw_gl_buffer *buffer, const char *name, size_t size,
                          gw_error *error);
+/* Of the state, but for what is forbidden. */
+gw_light_knobs gw_renderer_light_knobs(const gw_renderer *renderer, const gw_frame_state *state);
 /* What its scene and octree call for. */
 gw_code gw_renderer_take_features(gw_renderer *renderer, gw_error *error);
 /* Clears the totals of shaders/common/frame.h, or reads them. */

@@ -11,6 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { ENVIRONMENT_UNIT = 20 }; /* and the next: shade/environment.glsl */
+
 /* Octahedral unit normal in 2 x 16 bits, 0..65534 for -1..1 so that 0 is exact (common/octahedral.glsl
  * decodes). */
 static uint32_t encode_normal(const float n[3]) {
@@ -120,19 +122,6 @@ static gw_code upload_materials(gw_gl *device, const gw_scene *scene, gw_scene_b
     return code;
 }
 
-static gw_code upload_lights(gw_gl *device, const gw_scene *scene, gw_scene_buffers *out, gw_error *error) {
-    gw_light_list list;
-    gw_code code = gw_light_list_make(scene, &list, error);
-    const size_t count = (size_t)list.directional + list.placed;
-    if (!code)
-        code = gw_gl_buffer_create(device, "lights", count * sizeof *list.rows, list.rows, GL_RGBA32UI,
-                                   &out->lights, error);
-    out->directional_count = list.directional;
-    out->placed_count = list.placed;
-    gw_light_list_finish(&list);
-    return code;
-}
-
 /* With the root grid behind them, if the device's buffer textures hold both. */
 static gw_code upload_nodes(gw_gl *device, const gw_octree *octree, gw_scene_buffers *out, gw_error *error) {
     uint32_t level = gw_root_grid_level(octree);
@@ -175,8 +164,30 @@ static gw_code upload_octree(gw_gl *device, const gw_octree *octree, gw_scene_bu
     return code;
 }
 
+gw_code gw_scene_buffers_light(gw_gl *device, const gw_scene *scene, const gw_light_knobs *knobs,
+                               gw_scene_buffers *buffers, gw_error *error) {
+    gw_light from_environment[GW_MAXIMUM_ENVIRONMENT_LIGHTS];
+    gw_light_list list = {0};
+    uint32_t count = 0;
+    gw_gl_buffer_finish(&buffers->lights);
+    gw_environment_textures_finish(&buffers->environment);
+    gw_code code = gw_environment_textures_init(scene, knobs->environment_lights, from_environment, &count,
+                                                &buffers->environment, error);
+    if (!code)
+        code = gw_light_list_make(scene, from_environment, count, &list, error);
+    buffers->directional_count = list.directional;
+    buffers->placed_count = list.placed;
+    buffers->environment_count = count;
+    if (!code)
+        code = gw_gl_buffer_create(device, "lights",
+                                   ((size_t)list.directional + list.placed) * sizeof *list.rows, list.rows,
+                                   GL_RGBA32UI, &buffers->lights, error);
+    gw_light_list_finish(&list);
+    return code;
+}
+
 gw_code gw_scene_buffers_init(gw_gl *device, const gw_scene *scene, const gw_octree *octree, int extensions,
-                              gw_scene_buffers *out, gw_error *error) {
+                              const gw_light_knobs *knobs, gw_scene_buffers *out, gw_error *error) {
     memset(out, 0, sizeof *out);
     gw_code code = upload_octree(device, octree, out, error);
     if (!code)
@@ -192,7 +203,7 @@ gw_code gw_scene_buffers_init(gw_gl *device, const gw_scene *scene, const gw_oct
     if (!code && (scene->extensions || extensions))
         code = gw_material_rows_upload(device, scene, &out->extensions, error);
     if (!code)
-        code = upload_lights(device, scene, out, error);
+        code = gw_scene_buffers_light(device, scene, knobs, out, error);
     if (code)
         gw_scene_buffers_finish(out);
     return code;
@@ -214,6 +225,7 @@ gw_code gw_scene_buffers_move(gw_gl *device, const gw_scene *scene, const gw_oct
 
 void gw_scene_buffers_finish(gw_scene_buffers *buffers) {
     gw_texture_set_finish(&buffers->textures);
+    gw_environment_textures_finish(&buffers->environment);
     gw_gl_buffer *all[] = {&buffers->nodes,     &buffers->references, &buffers->triangles, &buffers->payloads,
                            &buffers->faces,     &buffers->vertices,   &buffers->materials, &buffers->lights,
                            &buffers->emissions, &buffers->boxes,      &buffers->extensions};
@@ -231,6 +243,7 @@ void gw_scene_buffers_bind(const gw_scene_buffers *buffers, uint32_t texture_fil
     gw_gl_texture_bind(&buffers->vertices, 5);
     gw_gl_texture_bind(&buffers->materials, 6);
     gw_gl_texture_bind(&buffers->lights, 7);
+    gw_environment_textures_bind(&buffers->environment, ENVIRONMENT_UNIT);
     gw_texture_set_bind(&buffers->textures, texture_filter, 8);
     if (buffers->emissions.texture)
         gw_gl_texture_bind(&buffers->emissions, 8 + GW_MAXIMUM_TEXTURE_CLASSES);

@@ -7,6 +7,8 @@
 #include "base/status.h"
 #include "build/octree.h"
 #include "build/scene.h"
+#include "render/environment_textures.h"
+#include "render/light_list.h"
 #include "render/texture_set.h"
 
 #include <stdint.h>
@@ -17,11 +19,16 @@ typedef struct gw_scene_buffers {
     gw_texture_set textures;
     uint32_t root_grid_level;                 /* of the grid behind the nodes (root_grid.h), 0: none */
     uint32_t directional_count, placed_count; /* lights, in this order in the buffer */
+    uint32_t environment_count;               /* of the directional ones */
+    gw_environment_textures environment;
 } gw_scene_buffers;
 
 /* extensions: 1: the rows of material extensions exist even if no material has any. */
 gw_code gw_scene_buffers_init(gw_gl *device, const gw_scene *scene, const gw_octree *octree, int extensions,
-                              gw_scene_buffers *out, gw_error *error);
+                              const gw_light_knobs *knobs, gw_scene_buffers *out, gw_error *error);
+/* The lights and the environment by other knobs. */
+gw_code gw_scene_buffers_light(gw_gl *device, const gw_scene *scene, const gw_light_knobs *knobs,
+                               gw_scene_buffers *buffers, gw_error *error);
 /* The same scene in another pose, with its octree: what depends on it is uploaded again. */
 gw_code gw_scene_buffers_move(gw_gl *device, const gw_scene *scene, const gw_octree *octree,
                               gw_scene_buffers *buffers, gw_error *error);

@@ -32,6 +32,8 @@ GW_VEC4(accuracy);   // tau, tau_inside, gaze_blend deg, gaze_margin deg
 GW_VEC4(acuity);     // slope, smallest period deg, voxel_slab, voxel_flatness
 GW_VEC4(background); // linear radiance; w: least_remainder
 GW_VEC4(ambient);    // linear irradiance; w: fold_agreement
+GW_VEC4(environment); // turns by which it is rotated, texels per radian, 1 where there is one
+GW_VEC4(environment_mean); // irradiance over pi, mean over all directions, of what no light stands for
 GW_VEC4(secondary);  // shadow_tau, mirror_roughness, near_light, least_throughput
 GW_IVEC4(window);    // rectangle: x and y of its first pixel, x and y past its last
 GW_IVEC4(chunk);     // first block's x and y (pixels, multiples of 8), blocks per row, number of blocks
@@ -90,10 +92,14 @@ GW_STRUCT_END(gw_gpu_extension)
 #define GW_TEXTURE_WRAP_V(word) (((word) >> 22) & 3u)
 #define GW_MAXIMUM_TEXTURE_CLASSES 4
 
+// Of an environment blurred for surfaces: layers, and columns of each.
+#define GW_ENVIRONMENT_LAYERS 5
+#define GW_ENVIRONMENT_WIDTH 64
+
 // Light, GW_LIGHT_ROWS texels.
 #define GW_LIGHT_ROWS 4
 GW_STRUCT_BEGIN(gw_gpu_light)
-GW_VEC4(vector); // unit direction towards the light, or position in rebased space
+GW_VEC4(vector); // unit direction towards the light, or position in rebased space; w: 1 for one taken from the environment
 GW_VEC4(color);  // irradiance (at 1 m); w: 1 / range^2, 1/m^2, 0: no end
 GW_VEC4(axis);   // unit direction in which a spot shines
 GW_VEC4(shape);  // scale and offset of the cosine in a cone

@@ -39,8 +39,9 @@ float cosine_of_all_ways(float cosine) {
     return mean;
 }
 
-// Radiance towards `view` from light that comes from direction `light` (both unit, away from the surface).
-vec3 reflect_light(Surface surface, vec3 view, vec3 light, vec3 irradiance) {
+// Radiance towards `view` from light that comes from direction `light` (both unit, away from the surface); of its highlight the share
+// `highlight`.
+vec3 reflect_light(Surface surface, vec3 view, vec3 light, vec3 irradiance, float highlight) {
     vec3 n = surface.normal;
     vec3 halfway = normalize(view + light);
     float n_l = max(dot(n, light), 0.0), n_v = max(dot(n, view), 1e-3);
@@ -62,6 +63,6 @@ vec3 reflect_light(Surface surface, vec3 view, vec3 light, vec3 irradiance) {
     cosine = mix(0.25, n_l, surface.agreement); // the naive variant, for the test that shows why
 #endif
     precise vec3 diffuse = surface.base_color * ((1.0 - surface.metalness) * INVERSE_PI * cosine);
-    precise vec3 reflected = irradiance * (diffuse * (1.0 - fresnel) + fresnel * (distribution * visibility * n_l));
+    precise vec3 reflected = irradiance * (diffuse * (1.0 - fresnel) + fresnel * (distribution * visibility * n_l * highlight));
     return reflected;
 }

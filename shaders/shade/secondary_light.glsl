@@ -12,7 +12,7 @@ vec3 with_reflected(vec3 lit, Surface surface, vec3 view, uint id, uint asked) {
     float grazing = 1.0 - clamp(dot(surface.normal, view), 0.0, 1.0);
     precise float grazing2 = grazing * grazing;
     precise vec3 fresnel = surface.base_color + (1.0 - surface.base_color) * (grazing2 * grazing2 * grazing);
-    precise vec3 added = share * (fresnel * radiance - environment_specular(surface, view) * frame.ambient.rgb * INVERSE_PI);
+    precise vec3 added = share * (fresnel * radiance - environment_specular(surface, view) * radiance_around(surface, view));
     return none ? lit : lit + added;
 }
 #endif

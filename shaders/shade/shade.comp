@@ -51,6 +51,7 @@ layout(location = 0) uniform uint queue_length;
 #include "trace/pixel.glsl"
 #include "blend/opacity.glsl"
 #include "shade/surface.glsl"
+#include "shade/environment.glsl"
 #include "shade/lights.glsl"
 #ifdef SECONDARY
 #include "shade/secondary_light.glsl"
@@ -84,10 +85,10 @@ void count_material(uint id) {
 #endif
 
 // sum: radiance and weight of all that was shaded; left: what of the ray met nothing.
-vec3 finish(vec4 sum, float left) {
+vec3 finish(vec4 sum, float left, vec3 background) {
     float behind = left >= OPAQUE_REMAINDER ? left : 0.0;
-    precise vec3 met = sum.w > 0.0 ? sum.rgb * ((1.0 - behind) / sum.w) : (1.0 - behind) * frame.background.rgb;
-    return met + behind * frame.background.rgb;
+    precise vec3 met = sum.w > 0.0 ? sum.rgb * ((1.0 - behind) / sum.w) : (1.0 - behind) * background;
+    return met + behind * background;
 }
 
 void main() {
@@ -162,7 +163,7 @@ void main() {
         next_queue[atomicAdd(totals[2], 1u)] = slot;
         return;
     }
-    vec3 color = finish(sum, left);
+    vec3 color = finish(sum, left, radiance_behind(ray));
 #ifdef COUNT
     uvec4 work = work_of[slot];
 #else

@@ -1,6 +1,7 @@
 /* What lights give a surface, against their formulas: a white floor seen from above. */
 #include "tests/support/check.h"
 
+#include "base/image.h"
 #include "base/srgb.h"
 #include "render/features.h"
 #include "tests/support/meshes.h"
@@ -113,9 +114,105 @@ static void spots_follow_the_standard(void **state) {
     gw_stage_close(&stage);
 }
 
+/* A sky of 0.5 over a ground of 0.25, and a sun at 45 degrees to the right (+x), 1.4 degrees wide. */
+enum { MAP_WIDE = 256, MAP_HIGH = 128, SUN_X = 192, SUN_Y = 32 };
+
+static void give_sky(gw_scene *scene, int with_sun) {
+    gw_image *image = &scene->environment.rgbe;
+    gw_error error = {0};
+    assert_int_equal(gw_image_create(MAP_WIDE, MAP_HIGH, image, &error), GW_OK);
+    for (int i = 0; i < MAP_WIDE * MAP_HIGH; ++i)
+        memcpy(image->rgba + 4 * i, i < MAP_WIDE * MAP_HIGH / 2 ? "\x80\x80\x80\x80" : "\x40\x40\x40\x80", 4);
+    if (with_sun)
+        memcpy(image->rgba + 4 * (SUN_Y * MAP_WIDE + SUN_X), "\x80\x80\x80\x8c", 4); /* 2048 */
+    scene->environment.scale = 1.0f;
+}
+
+/* The floor under a sky, with a wall of 1 m along x = 0. */
+static void open_sky(gw_stage *stage, int with_sun) {
+    gw_mesh mesh = {0};
+    gw_mesh_add_grid(&mesh, (const double[]){-2, 0, -2}, (const double[]){0, 0, 4}, (const double[]){4, 0, 0},
+                     4, 4);
+    gw_mesh_add_grid(&mesh, (const double[]){0, 0, -2}, (const double[]){0, 0, 4}, (const double[]){0, 1, 0},
+                     4, 4);
+    gw_scene *scene = gw_mesh_take(&mesh);
+    for (int i = 0; i < 3; ++i) {
+        scene->ambient[i] = scene->background[i] = 0.0f;
+        scene->materials[0].base_color[i] = 0.2f;
+    }
+    scene->materials[0].roughness = 1.0f;
+    give_sky(scene, with_sun);
+    check_ok(gw_stage_open(stage, scene, NULL, exact, &error));
+}
+
+/* Mean linear value of the floor's pixels from x to x + 0.3 m. */
+static double floor_from(const gw_camera *camera, const uint8_t *rgba, double from) {
+    double sum = 0.0;
+    size_t count = 0;
+    for (int y = SIDE / 4; y < SIDE * 3 / 4; ++y)
+        for (int x = 0; x < SIDE; ++x) {
+            double place[3];
+            place_on_floor(camera, x, y, place);
+            if (place[0] < from || place[0] > from + 0.3)
+                continue;
+            sum += gw_srgb_code_to_linear(rgba[4 * (y * SIDE + x)]);
+            ++count;
+        }
+    assert_true(count > 50);
+    return sum / (double)count;
+}
+
+static void suns_of_environments_cast_shadows(void **state) {
+    (void)state;
+    gw_stage stage;
+    gw_camera camera;
+    open_sky(&stage, 1);
+    look_down(&camera, &stage);
+    const double pi = 3.14159265358979, texel = (cos(pi * 32 / 128) - cos(pi * 33 / 128)) * 2 * pi / 256;
+    const double sun = 2048.0 * texel * cos(pi * 32.5 / 128), sky = 0.5 * pi;
+    const double lit = (sun + sky) * 0.2 / pi, shaded = sky * 0.2 / pi;
+    for (int lights = 0; lights <= 8; lights += 8) {
+        gw_counters counters = {0};
+        camera.state.environment_lights = (uint8_t)lights;
+        uint8_t *rgba = take(&stage, &camera, 0, &counters);
+        const double open = floor_from(&camera, rgba, 0.5), behind = floor_from(&camera, rgba, -0.6);
+        print_message("%d lights: %.4f in the open (%.4f), %.4f behind the wall (%.4f), %llu shadow rays\n",
+                      lights, open, lit, behind, shaded, (unsigned long long)counters.shadow_rays);
+        /* a rough surface mirrors 0.04 of what is around, less the sun's grazing light */
+        assert_true(open > 0.98 * lit && open < 1.25 * lit);
+        assert_true(lights ? behind < 1.25 * shaded && counters.shadow_rays > 0
+                           : behind > 0.98 * lit && counters.shadow_rays == 0);
+        free(rgba);
+    }
+    gw_stage_close(&stage);
+}
+
+/* Nothing stands out of it: no light, no ray. What a ray sees beside the floor is the ground of the picture.
+ */
+static void even_skies_need_no_shadow_rays(void **state) {
+    (void)state;
+    gw_stage stage;
+    gw_camera camera;
+    gw_counters counters = {0};
+    open_sky(&stage, 0);
+    gw_camera_look(&camera, &stage, (const double[]){0, 6, 0.001}, (const double[]){0, 0, 0}, 60.0, SIDE);
+    camera.state.environment_lights = 64;
+    uint8_t *rgba = take(&stage, &camera, 0, &counters);
+    assert_true(counters.shadow_rays == 0);
+    assert_true(fabs(gw_srgb_code_to_linear(rgba[0]) - 0.25) < 0.005);
+    free(rgba);
+    gw_camera_look(&camera, &stage, (const double[]){0, -1, 0.001}, (const double[]){0, -2, -3}, 30.0, SIDE);
+    rgba = take(&stage, &camera, 0, &counters);
+    assert_true(fabs(gw_srgb_code_to_linear(rgba[4 * (SIDE / 2 * SIDE + SIDE / 2)]) - 0.25) < 0.005);
+    free(rgba);
+    gw_stage_close(&stage);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(spots_follow_the_standard),
+        cmocka_unit_test(suns_of_environments_cast_shadows),
+        cmocka_unit_test(even_skies_need_no_shadow_rays),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,70 @@
+// What a ray sees that meets nothing, and the light from everywhere: the same all around, or by direction with ENVIRONMENT. Needs
+// trace/pixel.glsl and shade/surface.glsl before it.
+
+#ifdef ENVIRONMENT
+layout(binding = 20) uniform sampler2D environment_seen;            // radiance by direction, as render/environment.h says
+layout(binding = 21) uniform sampler2DArray environment_blurred;    // of what no light stands for, GW_ENVIRONMENT_LAYERS
+
+vec2 environment_place(vec3 direction) {
+    bool upright = abs(direction.x) + abs(direction.z) <= 0.0;
+    precise float turn = atan(direction.x, upright ? 1.0 : -direction.z);
+    precise float down = acos(clamp(direction.y, -1.0, 1.0));
+    return vec2(turn * (0.5 * INVERSE_PI) + 0.5 - frame.environment.x, down * INVERSE_PI);
+}
+
+// Mean radiance over so wide a cone about a unit direction.
+vec3 environment_within(vec3 direction, float angle) {
+    return textureLod(environment_seen, environment_place(direction), log2(max(angle * frame.environment.y, 1.0))).rgb;
+}
+
+vec3 environment_layer(vec2 place, int layer) {
+    return textureLod(environment_blurred, vec3(place, float(layer)), 0.0).rgb;
+}
+
+// Which share of the lights taken from the environment a surface of this roughness shows as highlights, which shadows reach: smoother
+// ones mirror the picture itself.
+float highlight_share(float roughness) {
+    return clamp(5.0 * roughness - 1.0, 0.0, 1.0);
+}
+#endif
+
+// What a ray sees that meets nothing.
+vec3 radiance_behind(Pixel_ray ray) {
+#ifdef ENVIRONMENT
+    float size = length_precise(ray.direction);
+    vec3 seen = environment_within(ray.direction / size, ray.width / size);
+    return frame.environment.z > 0.0 ? seen : frame.background.rgb;
+#else
+    return frame.background.rgb;
+#endif
+}
+
+// Light from everywhere on a surface; of a voxel what has no normal takes the mean.
+vec3 irradiance_around(Surface surface) {
+#ifdef ENVIRONMENT
+    vec3 facing = environment_layer(environment_place(surface.normal), GW_ENVIRONMENT_LAYERS - 1);
+    precise vec3 sum = frame.ambient.rgb + mix(frame.environment_mean.rgb, facing, surface.agreement) * (1.0 / INVERSE_PI);
+    return frame.environment.z > 0.0 ? sum : frame.ambient.rgb;
+#else
+    return frame.ambient.rgb;
+#endif
+}
+
+// What the surface's roughness makes of it about the mirrored view: up to 0.2 the picture over a cone as wide as the lobe, from 0.4 on what
+// is blurred for it, in between both.
+vec3 radiance_around(Surface surface, vec3 view) {
+    vec3 ambient = frame.ambient.rgb * INVERSE_PI;
+#ifdef ENVIRONMENT
+    precise vec3 mirrored = surface.normal * (2.0 * dot(surface.normal, view)) - view;
+    float roughness = surface.roughness;
+    vec3 sharp = environment_within(mirrored, 2.5 * roughness * roughness);
+    float layer = clamp(roughness - 0.4, 0.0, 0.6) * 5.0;
+    int lower = min(int(layer), GW_ENVIRONMENT_LAYERS - 3);
+    vec2 place = environment_place(mirrored);
+    vec3 blurred = mix(environment_layer(place, lower), environment_layer(place, lower + 1), layer - float(lower));
+    precise vec3 sum = ambient + mix(sharp, blurred, highlight_share(roughness));
+    return frame.environment.z > 0.0 ? sum : ambient;
+#else
+    return ambient;
+#endif
+}

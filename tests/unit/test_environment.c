@@ -81,12 +81,13 @@ static gw_code load_scene(const char *keys, const char *picture, size_t size, gw
     const gw_import_options options = {.program = program ? program : "out/release/gazewall"};
     assert_non_null(getcwd(folder, sizeof folder));
     scratch_path(file, "sky.hdr");
+    scratch_path(path, "sky.yaml");
     gw_code code = gw_file_write(file, picture, size, error);
     snprintf(text, sizeof text,
              "version: 1\nmodels:\n  - file: %s/tests/data/tetra.off\nenvironment: {file: %s%s}\n", folder,
              file, keys);
     if (code == GW_OK)
-        code = gw_file_write(scratch_path(path, "sky.yaml"), text, strlen(text), error);
+        code = gw_file_write(path, text, strlen(text), error);
     if (code == GW_OK)
         code = gw_import(path, &options, out, error);
     remove(path);

@@ -7,6 +7,7 @@
 #ifndef GW_BASE_GL_H
 #define GW_BASE_GL_H
 
+#include "base/hash.h"
 #include "base/log.h"
 #include "base/status.h"
 #include "base/window.h"
@@ -81,7 +82,19 @@ gw_code gw_gl_program(gw_gl *device, const char *name, const char *defines, GLui
 /* Program that draws, from shaders/<name>.vert, .geom and .frag. */
 gw_code gw_gl_draw_program(gw_gl *device, const char *name, const char *defines, GLuint *out,
                            gw_error *error);
-/* The programs that were compiled so far, by index: 0 past the last. */
+/* Specialised kernels: all programs asked for between begin and end belong to the variant of this key. At
+ * most GW_GL_VARIANTS are alive: a further one takes the place of the one that was begun longest ago, and
+ * programs that belong to no other are deleted. So nobody may keep such a program beyond the end. Programs
+ * that were asked for outside stay. */
+enum { GW_GL_VARIANTS = 8 };
+void gw_gl_variant_begin(gw_gl *device, gw_hash key);
+void gw_gl_variant_end(gw_gl *device);
+typedef struct gw_gl_variant_counts {
+    uint32_t alive;             /* variants */
+    uint64_t programs, deleted; /* programs of the device that are alive; those deleted so far */
+} gw_gl_variant_counts;
+gw_gl_variant_counts gw_gl_variant_counts_of(const gw_gl *device);
+/* The programs that were compiled so far, and are alive, by index: 0 past the last. */
 int gw_gl_program_at(const gw_gl *device, size_t index, const char **name, const char **defines);
 /* The assembled text that gw_gl_program would compile; free() it. */
 gw_code gw_gl_shader_text(gw_gl *device, const char *name, const char *defines, char **out, gw_error *error);

@@ -81,6 +81,7 @@ gw_code gw_gl_create(const gw_gl_options *options, gw_gl **out, gw_error *error)
         return gw_fail(error, GW_MACHINE, "not enough memory for the GL device");
     }
     device->display = EGL_NO_DISPLAY;
+    device->variant = -1;
     device->context = EGL_NO_CONTEXT;
     device->log = options ? options->log : NULL;
     gw_code code = GW_OK;

@@ -11,6 +11,8 @@ typedef struct gw_gl_cached_program {
     char *name, *defines;
     GLuint id;
     int ran; /* software GL compiles at the first dispatch */
+    uint32_t
+        variants; /* a bit for each place in gw_gl.variants; 0: never used within one, so never deleted */
 } gw_gl_cached_program;
 
 /* Storage that waits for its next buffer. */
@@ -18,6 +20,12 @@ typedef struct gw_gl_idle {
     GLuint id;
     size_t capacity;
 } gw_gl_idle;
+
+/* Specialised kernels that belong together. */
+typedef struct gw_gl_variant {
+    gw_hash key;
+    uint64_t begun; /* when it was begun last: counts all beginnings; 0: a free place */
+} gw_gl_variant;
 
 /* Bytes of the buffers of one name. */
 typedef struct gw_gl_named_bytes {
@@ -41,6 +49,9 @@ struct gw_gl {
     char *shader_folder; /* NULL: embedded */
     gw_gl_cached_program *programs;
     size_t program_count, program_capacity;
+    gw_gl_variant variants[GW_GL_VARIANTS];
+    int variant; /* place of the one that was begun, -1: none */
+    uint64_t variants_begun, programs_deleted;
     gw_gl_pool pool;
     gw_gl_usage usage;
     gw_gl_named_bytes *named; /* a row for each name that a buffer ever had */

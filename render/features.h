@@ -103,7 +103,8 @@ typedef struct gw_kernel_key {
 enum { GW_LOD_FRAGMENTS = 8 }; /* what one dispatch may meet along one ray before the ray is suspended */
 
 uint32_t gw_kernel_fragments(const gw_kernel_key *key); /* of one ray */
-/* "#define ..." lines for the kernel; size is that of text, 2048 suffices. */
+enum { GW_KERNEL_DEFINES = 2048 };                      /* bytes that suffice for them */
+/* "#define ..." lines for the kernel; size is that of text. */
 gw_code gw_kernel_defines(const gw_kernel_key *key, char *text, size_t size, gw_error *error);
 
 #endif

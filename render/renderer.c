@@ -273,7 +273,7 @@ gw_code gw_ray_buffers_add_work(const gw_ray_buffers *rays, size_t slots, gw_cou
 
 gw_code gw_renderer_kernel(gw_renderer *renderer, const char *name, const gw_kernel_key *key,
                            const char *more_defines, GLuint *out, gw_error *error) {
-    char defines[2048];
+    char defines[GW_KERNEL_DEFINES];
     gw_code code = gw_kernel_defines(key, defines, sizeof defines, error);
     size_t used = code ? 0 : strlen(defines);
     if (!code && more_defines &&

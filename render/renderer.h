@@ -132,7 +132,8 @@ gw_code gw_renderer_trace_variant(gw_renderer *renderer, const gw_trace_variant 
                                   size_t ray_count, gw_hit *hits, gw_counters *counters, gw_trace_time *time,
                                   gw_error *error);
 
-/* Adds "effects": {run, skipped: [{name, why}], forced, forbidden, met: {name: {met, frames, idle}}} to a
+/* Adds "effects": {run, skipped: [{name, why}], forced, forbidden, met: {name: {met, frames, idle}},
+ * variants: {alive, programs, deleted}} to a
  * report, and for a scene that moves "rebuild" (render/moving.h). counters: of all that was drawn; NULL:
  * nothing was. */
 gw_code gw_renderer_report(const gw_renderer *renderer, const gw_counters *counters, json_t *report,

@@ -104,6 +104,13 @@ static json_t *skipped_feature(const gw_renderer *renderer, const gw_feature_row
                      open ? "each frame decides; none was drawn" : row->absent);
 }
 
+/* Of the device's specialised kernels. */
+static json_t *variants_json(const gw_renderer *renderer) {
+    const gw_gl_variant_counts counts = gw_gl_variant_counts_of(renderer->device);
+    return json_pack("{s:i, s:I, s:I}", "alive", (int)counts.alive, "programs", (json_int_t)counts.programs,
+                     "deleted", (json_int_t)counts.deleted);
+}
+
 gw_code gw_renderer_report(const gw_renderer *renderer, const gw_counters *counters, json_t *report,
                            gw_error *error) {
     json_t *run = json_array(), *skipped = json_array(), *forced = json_array(), *forbidden = json_array();
@@ -121,9 +128,10 @@ gw_code gw_renderer_report(const gw_renderer *renderer, const gw_counters *count
         else
             failed = json_array_append_new(skipped, skipped_feature(renderer, row));
     }
-    json_t *effects = failed ? NULL
-                             : json_pack("{s:O, s:O, s:O, s:O, s:O}", "run", run, "skipped", skipped,
-                                         "forced", forced, "forbidden", forbidden, "met", met);
+    json_t *effects =
+        failed ? NULL
+               : json_pack("{s:O, s:O, s:O, s:O, s:O, s:o}", "run", run, "skipped", skipped, "forced", forced,
+                           "forbidden", forbidden, "met", met, "variants", variants_json(renderer));
     json_t *rebuild = effects && renderer->moving ? gw_moving_report(renderer->moving) : NULL;
     if (effects && renderer->moving)
         failed = json_object_set_new(report, "rebuild", rebuild);

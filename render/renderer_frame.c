@@ -309,6 +309,15 @@ static gw_code draw_once(gw_frame_job *job, gw_error *error) {
     return code;
 }
 
+/* Frames with the same key share kernels, and keep them together. */
+static gw_code begin_variant(const gw_frame_job *job, gw_error *error) {
+    char defines[GW_KERNEL_DEFINES];
+    gw_code code = gw_kernel_defines(&job->key, defines, sizeof defines, error);
+    if (!code)
+        gw_gl_variant_begin(job->renderer->device, gw_hash_bytes((gw_hash){0, 0}, defines, strlen(defines)));
+    return code;
+}
+
 gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement, const gw_plane *plane,
                           const gw_rectangle *rectangle, const gw_frame_state *given, uint8_t *rgba,
                           gw_counters *counters, gw_error *error) {
@@ -327,10 +336,13 @@ gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement,
     renderer->loop_iterations = 0;
     renderer->last_features = gw_features_of_frame(state, job.block.counts[0], renderer->scene_features);
     gw_scene_buffers_bind(&renderer->buffers, state->texture_filter);
-    code = gw_effects_begin(&job, error);
+    code = begin_variant(&job, error);
+    if (!code)
+        code = gw_effects_begin(&job, error);
     if (!code)
         code = job.key.features & GW_FEATURE_ACCUMULATE ? accumulate(&job, placement, plane, error)
                                                         : draw_once(&job, error);
+    gw_gl_variant_end(renderer->device);
     if (!code)
         code = gw_effects_end(&job, error);
     if (code)

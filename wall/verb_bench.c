@@ -71,7 +71,10 @@ static const struct argp_option options_table[] = {
      "px, of the picture that modes draws (default 1024x1024, quick 128x128), that effects draws (384x384, "
      "quick 96x96), and whose rays peers and layouts trace (1024x576, quick 160x90)",
      1},
-    {"path", KEY_PATH, "NAME", 0, "camera path that modes follows and effects looks from the middle of, by name or number; default: the first", 1},
+    {"path", KEY_PATH, "NAME", 0,
+     "camera path that modes follows and effects looks from the middle of, by name or number; default: the "
+     "first",
+     1},
     {"point-light", KEY_POINT_LIGHT, NULL, 0,
      "modes: one point light with hard shadows instead of the scene's lights, as in the paper", 1},
     {"density", KEY_DENSITY, "N", 0,
@@ -218,7 +221,8 @@ static const struct argp bench_argp = {
         "tracking: filters of heads and gazes on people made by formula, through the whole tracker: lag "
         "against the "
         "true path, jitter at rest, error when a frame is seen, saccades found, processor time a sample.\n"
-        "effects: the price list: each SCENE (without: --scene, or the demo) drawn with each effect that it calls "
+        "effects: the price list: each SCENE (without: --scene, or the demo) drawn with each effect that it "
+        "calls "
         "for and "
         "without, at full quality and foveated, and with effects that nothing calls for: rays, work, bytes, "
         "time, "
@@ -317,8 +321,8 @@ static gw_code check_heeded(const bench_options *o, gw_error *error) {
     gw_code (*const run)(gw_bench *, gw_error *) = o->kind->run;
     const int modes = run == gw_bench_modes_run, aliasing = run == gw_bench_aliasing;
     const int effects = run == gw_bench_effects;
-    const int draws =
-        modes || aliasing || effects || run == gw_bench_peers || run == gw_bench_layouts || run == gw_bench_resident;
+    const int draws = modes || aliasing || effects || run == gw_bench_peers || run == gw_bench_layouts ||
+                      run == gw_bench_resident;
     const char *lost = bench->size[0] && !draws               ? "--size"
                        : bench->frames && !modes && !aliasing ? "--frames"
                        : bench->path && !modes && !effects    ? "--path"

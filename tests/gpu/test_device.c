@@ -337,6 +337,49 @@ static void precise_floats_are_rounded_twice(void **state) {
     gw_gl_destroy(&embedded);
 }
 
+static GLuint variant_program(uint64_t key, const char *defines) {
+    GLuint program = 0;
+    gw_gl_variant_begin(device, (gw_hash){7, key});
+    check_ok(gw_gl_program(device, "variant.comp", defines, &program, &error));
+    gw_gl_variant_end(device);
+    return program;
+}
+
+static void at_most_eight_variants_are_alive(void **state) {
+    (void)state;
+    char line[64];
+    GLuint kept = 0, shared;
+    put("variant.comp", "layout(local_size_x = 1) in;\n"
+                        "layout(std430, binding = 0) buffer Out { uint values[]; };\n"
+                        "void main() { values[0] = uint(N); }\n");
+    check_ok(gw_gl_program(device, "variant.comp", "#define N 100\n", &kept, &error));
+    const gw_gl_variant_counts before = gw_gl_variant_counts_of(device);
+    assert_int_equal(before.alive, 0);
+    shared = variant_program(0, "#define N 50\n");
+    for (uint64_t i = 0; i < GW_GL_VARIANTS; ++i) {
+        snprintf(line, sizeof line, "#define N %d\n", (int)i);
+        variant_program(i, line);
+        assert_int_equal(variant_program(i, "#define N 50\n"), shared);
+        assert_int_equal(variant_program(i, "#define N 100\n"), kept);
+    }
+    gw_gl_variant_counts counts = gw_gl_variant_counts_of(device);
+    assert_int_equal(counts.alive, GW_GL_VARIANTS);
+    assert_int_equal(counts.programs, before.programs + GW_GL_VARIANTS + 1);
+    assert_int_equal(counts.deleted, before.deleted);
+    /* The first one is used once more, so the second makes room: for its own program, not for the shared one.
+     */
+    variant_program(0, "#define N 0\n");
+    variant_program(99, "#define N 99\n");
+    counts = gw_gl_variant_counts_of(device);
+    assert_int_equal(counts.alive, GW_GL_VARIANTS);
+    assert_int_equal(counts.deleted, before.deleted + 1);
+    assert_int_equal(counts.programs, before.programs + GW_GL_VARIANTS + 1);
+    variant_program(0, "#define N 0\n");
+    variant_program(2, "#define N 2\n");
+    assert_int_equal(gw_gl_variant_counts_of(device).deleted, counts.deleted);
+    assert_true(glIsProgram(kept) && glIsProgram(shared));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(limits_are_at_least_what_the_standard_promises),
@@ -348,6 +391,7 @@ int main(void) {
         cmocka_unit_test(a_program_is_compiled_once_per_defines),
         cmocka_unit_test(a_buffer_texture_shows_the_whole_buffer),
         cmocka_unit_test(the_pool_gives_clean_buffers_of_their_size),
+        cmocka_unit_test(at_most_eight_variants_are_alive),
         cmocka_unit_test(compile_errors_name_file_and_line),
         cmocka_unit_test(gl_errors_are_reported_once),
         cmocka_unit_test(two_devices_live_side_by_side),

@@ -270,6 +270,27 @@ static size_t judge_names(const char *name, const char *full, const char *less, 
     return count;
 }
 
+/* Kernels of variants that were not used for long are deleted, and are the same when they are made again. */
+static void deleted_kernels_come_back_the_same(void **state) {
+    (void)state;
+    gw_renderer *renderer = renderer_on(stage.device, stage.scene, 0);
+    uint8_t *first = gw_camera_take(&camera, renderer, NULL);
+    const gw_gl_variant_counts before = gw_gl_variant_counts_of(stage.device);
+    for (uint64_t i = 0; i < GW_GL_VARIANTS; ++i) {
+        gw_gl_variant_begin(stage.device, (gw_hash){1, i});
+        gw_gl_variant_end(stage.device);
+    }
+    const gw_gl_variant_counts after = gw_gl_variant_counts_of(stage.device);
+    assert_int_equal(after.alive, GW_GL_VARIANTS);
+    assert_true(after.deleted >= before.deleted + 2);
+    uint8_t *again = gw_camera_take(&camera, renderer, NULL);
+    assert_memory_equal(first, again, PIXELS * 4);
+    assert_int_equal(gw_gl_variant_counts_of(stage.device).programs, after.programs + 2);
+    free(first);
+    free(again);
+    gw_renderer_destroy(&renderer);
+}
+
 /* What a renderer's report says of one effect's use; NULL: it says nothing. */
 static json_t *use_of(json_t *report, const char *effect) {
     return json_object_get(json_object_get(json_object_get(report, "effects"), "met"), effect);
@@ -389,6 +410,7 @@ int main(void) {
         cmocka_unit_test(forced_effects_change_no_lit_pixel),
         cmocka_unit_test(left_out_effects_leave_no_text),
         cmocka_unit_test(effects_that_meet_nothing_are_idle),
+        cmocka_unit_test(deleted_kernels_come_back_the_same),
         cmocka_unit_test(an_effect_that_changes_pixels_is_found),
     };
     return cmocka_run_group_tests(tests, open_stage, close_stage);

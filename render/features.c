@@ -3,8 +3,10 @@
 
 #include "base/suggest.h"
 #include "build/gpu_types.h"
+#include "render/transmission.h"
 #include "shaders/common/frame.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -34,6 +36,8 @@ const gw_feature_row gw_feature_rows[] = {
     {GW_FEATURE_DITHER, "dither", "DITHER", "dither is off"},
     {GW_FEATURE_METERING, "metering", "METERING",
      "exposure is not auto, so nobody asks how bright the picture is"},
+    {GW_FEATURE_TRANSMISSION, "transmission", "TRANSMISSION", "no material in use lets light through"},
+    {GW_FEATURE_ABSORPTION, "absorption", "ABSORPTION", "no medium in use takes light away"},
 };
 const size_t gw_feature_count = sizeof gw_feature_rows / sizeof gw_feature_rows[0];
 
@@ -76,6 +80,17 @@ static gw_features features_of_light(const gw_light *light) {
     return bits;
 }
 
+/* Nothing absorbs whose colour is white or whose surface bounds nothing. */
+static gw_features features_of_glass(const gw_scene *scene, uint32_t material) {
+    if (!gw_lets_light_through(scene, material))
+        return 0;
+    const gw_material_extension *e = &scene->extensions[material];
+    const float least =
+        fminf(e->attenuation_color[0], fminf(e->attenuation_color[1], e->attenuation_color[2]));
+    const int absorbs = gw_bounds_medium(scene, material) && e->attenuation_distance > 0.0f && least < 1.0f;
+    return GW_FEATURE_TRANSMISSION | (absorbs ? GW_FEATURE_ABSORPTION : 0);
+}
+
 static int has_normal(const gw_scene *scene) {
     for (size_t i = 0; i < (size_t)scene->vertex_count * 3; ++i)
         if (scene->normals[i] != 0.0f)
@@ -90,7 +105,8 @@ gw_features gw_features_of_scene(const gw_scene *scene, const gw_octree *octree,
     for (uint32_t i = 0; i < scene->triangle_count; ++i) {
         uint32_t material = scene->material_of[i];
         if (material != last)
-            bits |= gw_features_of_material(&scene->materials[material], mirror_roughness);
+            bits |= gw_features_of_material(&scene->materials[material], mirror_roughness) |
+                    features_of_glass(scene, material);
         last = material;
     }
     if (scene->environment.rgbe.rgba)

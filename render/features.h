@@ -39,16 +39,18 @@ enum { GW_MOST_FEATURES = 64 };
 #define GW_FEATURE_SHEEN GW_FEATURE_BIT(19)
 #define GW_FEATURE_SPECULAR GW_FEATURE_BIT(20) /* reflectance of dielectrics other than 0.04 */
 #define GW_FEATURE_UNLIT GW_FEATURE_BIT(21)
-#define GW_FEATURE_SPOT_LIGHTS GW_FEATURE_BIT(25) /* lights with a cone or a range */
-#define GW_FEATURE_ENVIRONMENT GW_FEATURE_BIT(27) /* light and background by direction */
-#define GW_FEATURE_TONE GW_FEATURE_BIT(40)        /* a curve other than linear */
-#define GW_FEATURE_EXPOSURE GW_FEATURE_BIT(41)    /* light is multiplied before the curve */
-#define GW_FEATURE_DITHER GW_FEATURE_BIT(42)      /* rounding to 8 bits by a pattern */
-#define GW_FEATURE_METERING GW_FEATURE_BIT(45)    /* the picture's light is counted */
+#define GW_FEATURE_SPOT_LIGHTS GW_FEATURE_BIT(25)  /* lights with a cone or a range */
+#define GW_FEATURE_ENVIRONMENT GW_FEATURE_BIT(27)  /* light and background by direction */
+#define GW_FEATURE_TONE GW_FEATURE_BIT(40)         /* a curve other than linear */
+#define GW_FEATURE_EXPOSURE GW_FEATURE_BIT(41)     /* light is multiplied before the curve */
+#define GW_FEATURE_DITHER GW_FEATURE_BIT(42)       /* rounding to 8 bits by a pattern */
+#define GW_FEATURE_METERING GW_FEATURE_BIT(45)     /* the picture's light is counted */
+#define GW_FEATURE_TRANSMISSION GW_FEATURE_BIT(33) /* light passes surfaces and is bent */
+#define GW_FEATURE_ABSORPTION GW_FEATURE_BIT(34)   /* media take some of it on its way */
 #define GW_ALL_FEATURES UINT64_MAX
 
 /* What makes fragments ask for secondary rays. */
-#define GW_SECONDARY_FEATURES GW_FEATURE_MIRROR
+#define GW_SECONDARY_FEATURES (GW_FEATURE_MIRROR | GW_FEATURE_TRANSMISSION)
 
 /* What frames decide, not the scene. */
 #define GW_FRAME_FEATURES                                                                                    \
@@ -70,7 +72,7 @@ extern const size_t gw_feature_count;
 /* What kernels read the rows of material extensions for (render/material_rows.h). */
 #define GW_EXTENSION_FEATURES                                                                                \
     (GW_FEATURE_NORMAL_MAPS | GW_FEATURE_MATERIAL_MAPS | GW_FEATURE_EMISSIVE_MAPS | GW_FEATURE_CLEARCOAT |   \
-     GW_FEATURE_SHEEN | GW_FEATURE_SPECULAR | GW_FEATURE_UNLIT)
+     GW_FEATURE_SHEEN | GW_FEATURE_SPECULAR | GW_FEATURE_UNLIT | GW_FEATURE_TRANSMISSION)
 
 /* Without these an octree that calls for them cannot be read. */
 #define GW_NEEDED_FEATURES (GW_FEATURE_WIDE_NODES | GW_FEATURE_DENSE_LEAVES)

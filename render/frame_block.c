@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-_Static_assert(sizeof(gw_frame_block) == 16 * (35 + 4 * GW_MAXIMUM_VIEWERS), "std140 rows without holes");
+_Static_assert(sizeof(gw_frame_block) == 16 * (36 + 4 * GW_MAXIMUM_VIEWERS), "std140 rows without holes");
 
 /* Smallest resolvable period at the centre of gaze, degrees (60 cycles per degree would be 1/60; 1/48 is the
  * value of Guenter et al., Foveated 3D Graphics, 2012). */

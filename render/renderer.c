@@ -87,6 +87,8 @@ gw_code gw_renderer_create(gw_gl *device, const gw_scene *scene, const gw_octree
     if (!code)
         code = gw_renderer_take_features(renderer, error);
     if (!code)
+        code = gw_media_take(scene, &renderer->media, error);
+    if (!code)
         code = gw_gl_buffer_create(device, "totals",
                                    (GW_TOTAL_WORDS + (size_t)scene->material_count) * sizeof(uint32_t), NULL,
                                    0, &renderer->totals, error);
@@ -102,8 +104,9 @@ gw_code gw_renderer_create(gw_gl *device, const gw_scene *scene, const gw_octree
 }
 
 void gw_ray_buffers_finish(gw_ray_buffers *buffers) {
-    gw_gl_buffer *all[] = {&buffers->fragments, &buffers->statuses, &buffers->states, &buffers->queues[0],
-                           &buffers->queues[1], &buffers->work,     &buffers->sums,   &buffers->pixels};
+    gw_gl_buffer *all[] = {&buffers->fragments, &buffers->statuses,  &buffers->states,
+                           &buffers->queues[0], &buffers->queues[1], &buffers->work,
+                           &buffers->sums,      &buffers->pixels,    &buffers->media};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
         gw_gl_buffer_finish(all[i]);
     memset(buffers, 0, sizeof *buffers);
@@ -118,6 +121,7 @@ void gw_renderer_destroy(gw_renderer **renderer) {
     for (size_t i = 0; i <= GW_MOST_BOUNCES; ++i)
         gw_secondary_buffers_finish(&r->secondary[i]);
     gw_scene_buffers_finish(&r->buffers);
+    gw_media_finish(&r->media);
     gw_moving_destroy(&r->moving);
     gw_gl_buffer_finish(&r->totals);
     gw_gl_buffer_finish(&r->luminances);
@@ -139,20 +143,27 @@ static const struct {
     size_t bytes;  /* a ray */
     int counting;  /* exists only if work is counted */
     int picture;   /* exists only for rays of pixels */
+    int media;     /* exists only if light passes through something */
 } ray_rows[] = {
-    {"ray statuses", offsetof(gw_ray_buffers, statuses), 8, 0, 0},
-    {"ray states", offsetof(gw_ray_buffers, states), GW_STATE_WORDS * sizeof(uint32_t), 0, 0},
-    {"ray queue", offsetof(gw_ray_buffers, queues[0]), 4, 0, 0},
-    {"next ray queue", offsetof(gw_ray_buffers, queues[1]), 4, 0, 0},
-    {"radiance sums", offsetof(gw_ray_buffers, sums), 16, 0, 1},
-    {"pixels", offsetof(gw_ray_buffers, pixels), 4, 0, 1},
-    {"counted work", offsetof(gw_ray_buffers, work), 16, 1, 0},
+    {"ray statuses", offsetof(gw_ray_buffers, statuses), 8, 0, 0, 0},
+    {"ray states", offsetof(gw_ray_buffers, states), GW_STATE_WORDS * sizeof(uint32_t), 0, 0, 0},
+    {"ray queue", offsetof(gw_ray_buffers, queues[0]), 4, 0, 0, 0},
+    {"next ray queue", offsetof(gw_ray_buffers, queues[1]), 4, 0, 0, 0},
+    {"radiance sums", offsetof(gw_ray_buffers, sums), 16, 0, 1, 0},
+    {"pixels", offsetof(gw_ray_buffers, pixels), 4, 0, 1, 0},
+    {"counted work", offsetof(gw_ray_buffers, work), 16, 1, 0, 0},
+    {"media of rays", offsetof(gw_ray_buffers, media), 8, 0, 0, 1},
 };
+
+static int has_media(const gw_renderer *renderer) {
+    return ((renderer->scene_features | renderer->forced_features) & GW_FEATURE_TRANSMISSION) != 0;
+}
 
 static uint64_t bytes_of_ray(const gw_renderer *renderer, uint32_t fragments, int picture) {
     uint64_t bytes = fragments * (uint64_t)GW_FRAGMENT_WORDS * sizeof(uint32_t);
     for (size_t i = 0; i < sizeof ray_rows / sizeof ray_rows[0]; ++i)
-        if ((!ray_rows[i].counting || renderer->count) && (!ray_rows[i].picture || picture))
+        if ((!ray_rows[i].counting || renderer->count) && (!ray_rows[i].picture || picture) &&
+            (!ray_rows[i].media || has_media(renderer)))
             bytes += ray_rows[i].bytes;
     return bytes;
 }
@@ -183,7 +194,8 @@ static gw_code create_ray_buffers(gw_renderer *renderer, gw_ray_buffers *rays, s
     gw_code code = gw_gl_buffer_create(renderer->device, "fragments", fragment_words * sizeof(uint32_t), NULL,
                                        0, &rays->fragments, error);
     for (size_t i = 0; !code && i < sizeof ray_rows / sizeof ray_rows[0]; ++i) {
-        const int exists = (!ray_rows[i].counting || work) && (!ray_rows[i].picture || picture);
+        const int exists = (!ray_rows[i].counting || work) && (!ray_rows[i].picture || picture) &&
+                           (!ray_rows[i].media || has_media(renderer));
         code =
             gw_gl_buffer_create(renderer->device, ray_rows[i].name, exists ? slots * ray_rows[i].bytes : 0,
                                 NULL, 0, (gw_gl_buffer *)(void *)((char *)rays + ray_rows[i].offset), error);
@@ -218,6 +230,8 @@ void gw_ray_buffers_bind(const gw_ray_buffers *rays) {
     gw_gl_buffer_bind(&rays->queues[0], GW_BINDING_QUEUE);
     gw_gl_buffer_bind(&rays->queues[1], GW_BINDING_NEXT_QUEUE);
     gw_gl_buffer_bind(&rays->work, GW_BINDING_WORK);
+    if (rays->media.id)
+        gw_gl_buffer_bind(&rays->media, GW_BINDING_MEDIA);
 }
 
 uint64_t gw_ray_buffers_bytes(const gw_ray_buffers *rays) {
@@ -320,6 +334,7 @@ void gw_counters_add(gw_counters *to, const gw_counters *from) {
     to->step_cap_hits += from->step_cap_hits;
     to->nan_pixels += from->nan_pixels;
     to->mirror_rays += from->mirror_rays;
+    to->refracted_rays += from->refracted_rays;
     to->shadow_rays += from->shadow_rays;
     to->resumed += from->resumed;
     if (from->loop_iterations > to->loop_iterations)

@@ -37,6 +37,7 @@ typedef struct gw_counters {
     uint64_t step_cap_hits;   /* rays that the driver cut off: must stay 0; always counted */
     uint64_t nan_pixels;      /* pixels replaced by the background; always counted */
     uint64_t mirror_rays;     /* reflected; as shadow_rays */
+    uint64_t refracted_rays;  /* that went through something; as shadow_rays */
     uint64_t shadow_rays;     /* always counted; their steps and tests are in the numbers above */
     uint64_t resumed;         /* further dispatches of suspended rays, summed over rays; always counted */
     uint64_t loop_iterations; /* the most of one ray in one dispatch, of the loop budget: no sum; 0 unless

@@ -8,8 +8,8 @@
  * voxel; the others are done, and the large kernels see the compact queue of the rest. */
 gw_code gw_frame_kernels(gw_frame_job *job, int resume, gw_error *error) {
     const gw_features walk_features = GW_FEATURE_WIDE_NODES | GW_FEATURE_DENSE_LEAVES;
-    const gw_features trace_features =
-        GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_ALPHA | GW_FEATURE_SPARSE | walk_features;
+    const gw_features trace_features = GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_ALPHA |
+                                       GW_FEATURE_SPARSE | GW_FEATURE_TRANSMISSION | walk_features;
     gw_kernel_key trace = job->key, shade = job->key;
     if (!resume && (job->key.features & GW_FEATURE_LOD) && !job->key.voxels_only &&
         !job->renderer->one_kernel) {

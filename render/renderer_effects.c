@@ -14,6 +14,7 @@ static const struct {
     int counting; /* 1: only where work is counted */
 } own_counters[] = {{GW_FEATURE_SHADOWS, offsetof(gw_counters, shadow_rays), 0},
                     {GW_FEATURE_MIRROR, offsetof(gw_counters, mirror_rays), 0},
+                    {GW_FEATURE_TRANSMISSION, offsetof(gw_counters, refracted_rays), 0},
                     {GW_FEATURE_LOD, offsetof(gw_counters, voxels), 1}};
 
 static const size_t tail_begin = GW_TOTAL_WORDS * sizeof(uint32_t);

@@ -24,6 +24,11 @@ static gw_kernel_key key_of(const gw_renderer *renderer, const gw_frame_state *s
                            ~renderer->forbidden_features;
     if (state->bounces == 0)
         features &= ~GW_SECONDARY_FEATURES;
+    /* What lies at the border of a medium is decided where a ray meets it, as alpha is. */
+    if (features & GW_FEATURE_TRANSMISSION)
+        features |= GW_FEATURE_ALPHA;
+    else
+        features &= ~GW_FEATURE_ABSORPTION;
     int lod = (features & GW_FEATURE_LOD) != 0;
     return (gw_kernel_key){
         .features = features,
@@ -179,7 +184,8 @@ static gw_code move_scene(gw_renderer *renderer, int64_t time, gw_error *error) 
     if (code)
         return gw_context(error, "moving the scene to %.3f s", (double)time * 1e-9);
     renderer->time = time;
-    return gw_renderer_take_features(renderer, error);
+    code = gw_media_take(renderer->scene, &renderer->media, error);
+    return code ? code : gw_renderer_take_features(renderer, error);
 }
 
 /* Lights stand as the frame's state wants them. */
@@ -237,6 +243,8 @@ static gw_code begin_frame(gw_frame_job *job, const gw_similarity *placement, co
     job->block.window[1] = rectangle->y;
     job->block.window[2] = rectangle->x + (int32_t)rectangle->width;
     job->block.window[3] = rectangle->y + (int32_t)rectangle->height;
+    const double eye[3] = {(double)job->block.eye[0], (double)job->block.eye[1], (double)job->block.eye[2]};
+    gw_media_at(&renderer->media, eye, job->block.media);
     job->key = key_of(renderer, state, job->block.counts[0]);
     job->bounces = state->bounces < GW_MOST_BOUNCES ? state->bounces : GW_MOST_BOUNCES;
     return GW_OK;

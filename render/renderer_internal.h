@@ -8,6 +8,7 @@
 #include "render/moving.h"
 #include "render/renderer.h"
 #include "render/scene_buffers.h"
+#include "render/transmission.h"
 
 /* Storage bindings of trace/primary.comp, trace/rays.comp and shade/shade.comp. */
 enum gw_binding {
@@ -39,6 +40,7 @@ enum gw_binding {
     GW_BINDING_LISTS = 25,
     GW_BINDING_NEXT_RAYS = 26,
     GW_BINDING_GIVEN_SUMS = 27,
+    GW_BINDING_MEDIA = 28,     /* with TRANSMISSION only */
     GW_BINDING_LUMINANCES = 30 /* with METERING only */
 };
 /* Texture units of what shaders/blend reads, beside those of gw_scene_buffers_bind(). */
@@ -58,7 +60,7 @@ typedef struct gw_ray_buffers {
     size_t slots;
     size_t fragment_words; /* of all slots */
     int has_work;
-    gw_gl_buffer fragments, statuses, states, queues[2], work, sums, pixels;
+    gw_gl_buffer fragments, statuses, states, queues[2], work, sums, pixels, media;
 } gw_ray_buffers;
 
 /* What a chunk of sparse samples has beside the rays of a batch of them; made with the first such chunk, and
@@ -128,6 +130,7 @@ struct gw_renderer {
     gw_features last_features; /* of the last frame, for the report */
     int has_drawn;             /* there was one */
     gw_scene_buffers buffers;
+    gw_media media;
     gw_ray_buffers rays;
     gw_shadow_buffers shadows;
     gw_secondary_buffers secondary[GW_MOST_BOUNCES + 1]; /* what rays of each bounce ask for */

@@ -64,6 +64,8 @@ static gw_code list_requests(gw_frame_job *job, gw_secondary_buffers *to, size_t
     if (!code) {
         job->counters.step_cap_hits += totals[0];
         *count = totals[3];
+        job->counters.refracted_rays += totals[GW_TOTAL_REFRACTED];
+        job->counters.mirror_rays += totals[3] - totals[GW_TOTAL_REFRACTED];
     }
     return code;
 }
@@ -81,6 +83,7 @@ static gw_code make_rays(const gw_frame_job *job, gw_secondary_buffers *to, uint
     if (code)
         return code;
     gw_frame_bind_rays(job);
+    gw_gl_buffer_bind(&to->asked, GW_BINDING_ASKED);
     gw_gl_buffer_bind(&to->requests, GW_BINDING_REQUESTS);
     gw_gl_buffer_bind(&to->rays, GW_BINDING_NEXT_RAYS);
     glProgramUniform3ui(program, 0, begin, count, job->bounce + 1 < job->bounces);
@@ -135,7 +138,6 @@ gw_code gw_frame_secondary(gw_frame_job *job, size_t slots, int resume, gw_error
     if (!code)
         code = gw_renderer_grow(renderer, &to->radiance, "radiance of secondary rays",
                                 whole_groups(count > 0 ? count : 1) * 4 * sizeof(float), error);
-    job->counters.mirror_rays += count;
     const uint32_t batch = (uint32_t)gw_renderer_chunk_slots(renderer);
     for (uint32_t begin = 0; !code && begin < count; begin += batch) {
         uint32_t here = count - begin < batch ? count - begin : batch;

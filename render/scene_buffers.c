@@ -6,6 +6,7 @@
 #include "render/light_list.h"
 #include "render/material_rows.h"
 #include "render/root_grid.h"
+#include "render/transmission.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -40,7 +41,8 @@ static gw_code upload_triangles(gw_gl *device, const gw_scene *scene, gw_scene_b
     gw_code code = gw_allocate(&memory, count, sizeof(gw_gpu_triangle), "triangles for the GPU", error);
     gw_gpu_triangle *triangles = memory;
     for (size_t i = 0; !code && i < count; ++i) {
-        uint32_t flags = needs_alpha(&scene->materials[scene->material_of[i]]) ? GW_TRIANGLE_ALPHA : 0;
+        uint32_t flags = (needs_alpha(&scene->materials[scene->material_of[i]]) ? GW_TRIANGLE_ALPHA : 0) |
+                         gw_transmission_flags(scene, scene->material_of[i]);
         for (int k = 0; k < 3; ++k)
             memcpy(triangles[i].vertex[k], scene->positions + (size_t)scene->triangles[i][k] * 3,
                    3 * sizeof(float));
@@ -147,8 +149,11 @@ static gw_code upload_nodes(gw_gl *device, const gw_octree *octree, gw_scene_buf
     return code;
 }
 
-static gw_code upload_octree(gw_gl *device, const gw_octree *octree, gw_scene_buffers *out, gw_error *error) {
+static gw_code upload_octree(gw_gl *device, const gw_scene *scene, const gw_octree *octree,
+                             gw_scene_buffers *out, gw_error *error) {
     gw_code code = upload_nodes(device, octree, out, error);
+    if (!code)
+        code = gw_transmission_mark_nodes(scene, octree, &out->nodes, error);
     if (!code)
         code = gw_gl_buffer_create(device, "octree references", octree->reference_count * sizeof(uint32_t),
                                    octree->references, GL_R32UI, &out->references, error);
@@ -189,7 +194,7 @@ gw_code gw_scene_buffers_light(gw_gl *device, const gw_scene *scene, const gw_li
 gw_code gw_scene_buffers_init(gw_gl *device, const gw_scene *scene, const gw_octree *octree, int extensions,
                               const gw_light_knobs *knobs, gw_scene_buffers *out, gw_error *error) {
     memset(out, 0, sizeof *out);
-    gw_code code = upload_octree(device, octree, out, error);
+    gw_code code = upload_octree(device, scene, octree, out, error);
     if (!code)
         code = upload_triangles(device, scene, out, error);
     if (!code)
@@ -215,7 +220,7 @@ gw_code gw_scene_buffers_move(gw_gl *device, const gw_scene *scene, const gw_oct
                            &buffers->boxes, &buffers->triangles,  &buffers->vertices};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
         gw_gl_buffer_finish(all[i]);
-    gw_code code = upload_octree(device, octree, buffers, error);
+    gw_code code = upload_octree(device, scene, octree, buffers, error);
     if (!code)
         code = upload_triangles(device, scene, buffers, error);
     if (!code)

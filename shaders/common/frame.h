@@ -35,6 +35,7 @@ GW_VEC4(ambient);    // linear irradiance; w: fold_agreement
 GW_VEC4(environment); // turns by which it is rotated, texels per radian, 1 where there is one
 GW_VEC4(environment_mean); // irradiance over pi, mean over all directions, of what no light stands for
 GW_VEC4(secondary);  // shadow_tau, mirror_roughness, near_light, least_throughput
+GW_UVEC4(media);      // that the eye is in (shade/media.glsl), 0, 0
 GW_IVEC4(window);    // rectangle: x and y of its first pixel, x and y past its last
 GW_IVEC4(chunk);     // first block's x and y (pixels, multiples of 8), blocks per row, number of blocks
 GW_IVEC4(list);      // grid of blocks that samples are listed for, chunk and rim: as chunk, x and y multiples of 16
@@ -106,7 +107,11 @@ GW_VEC4(shape);  // scale and offset of the cosine in a cone
 GW_STRUCT_END(gw_gpu_light)
 
 // First word of a triangle's first fourth component, in the renderer's copy.
-#define GW_TRIANGLE_ALPHA 1u // its material masks or blends: what it covers is decided where it is hit
+#define GW_TRIANGLE_ALPHA 1u    // its material masks or blends: what it covers is decided where it is hit
+#define GW_TRIANGLE_BOUNDARY 2u // it bounds a medium
+#define GW_TRIANGLE_SHEER 4u    // it lets light through
+// Numbers of media, a material's plus 1, have 16 bits.
+#define GW_MOST_MEDIA 65535u
 
 // Sparse samples (shaders/sample). A sample: pixel relative to the list's first, x in bits 0-11, y in 12-23; log2 of its side in
 // bits 24-26; which of its pixel's rays it is in bits 27-30. A block of 8 x 8 pixels: slot of its first sample in bits 0-27, log2
@@ -152,19 +157,21 @@ GW_STRUCT_END(gw_gpu_light)
 
 // A secondary ray, rows of 16 bytes: origin and footprint there; unit direction and growth of the footprint per unit; tau, below
 // 0 for padding, the distance up to which only triangles count, the largest share of a pixel that depends on it, 0 if it may not ask
-// for more, and 0.
-#define GW_SECONDARY_ROWS 3u
+// for more, and 0; with TRANSMISSION the media that it is in (shade/media.glsl), the triangle that it comes through or
+// GW_NO_TRIANGLE, and 0. All as the bits of words.
+#define GW_SECONDARY_ROWS 4u
 // Which rays a fragment asks for: the number of the first in bits 0-27, a bit of GW_RAY_ for each kind in bits 28-31; its rays
 // are numbered kind by kind. What they bring stands by number: radiance, and what of the ray met nothing.
 #define GW_ASKED_WORD(first, kinds) ((first) | ((kinds) << 28))
 #define GW_ASKED_FIRST(word) ((word) & 0x0fffffffu)
 #define GW_ASKED_KINDS(word) ((word) >> 28)
 #define GW_RAY_REFLECTED 1u
+#define GW_RAY_REFRACTED 2u
 // A request: the fragment in bits 0-25, which of its rays in bits 26-31.
 #define GW_REQUEST(fragment, which) ((fragment) | ((which) << 26))
 #define GW_REQUEST_FRAGMENT(word) ((word) & 0x03ffffffu)
 #define GW_REQUEST_WHICH(word) ((word) >> 26)
-#define GW_RAYS_OF_FRAGMENT 1u // at most
+#define GW_RAYS_OF_FRAGMENT 2u // at most
 #define GW_MOST_BOUNCES 8
 
 // Counts of a picture's light (blend/tone.glsl): a bin is a quarter of an octave, by the float's exponent and its first two bits
@@ -175,5 +182,6 @@ GW_STRUCT_END(gw_gpu_light)
 // Totals of one chunk: cap hits, NaN pixels, length of the queue, shadow or secondary rays; with COUNT: the most iterations that a
 // ray took in one dispatch, and behind the totals the frame's fragments of each material.
 #define GW_TOTAL_ITERATIONS 4
-#define GW_TOTAL_WORDS 5
+#define GW_TOTAL_REFRACTED 5 // secondary rays that go through something
+#define GW_TOTAL_WORDS 6
 #endif

@@ -33,6 +33,8 @@
 // one scale above it.
 #define GW_GRID_ENTRY_SCALE(y) ((y) >> 24)
 #define GW_GRID_ENTRY_SCALE_SHIFT 24
+// In the renderer's copy of a node, never in the grid's: something in the cell lets light through.
+#define GW_NODE_SHEER 0x80000000u
 // Reference array: triangle ids; the last of a list carries this bit. Entry 0 is reserved.
 #define GW_REFERENCE_LAST 0x80000000u
 #define GW_REFERENCE_ID 0x7fffffffu

@@ -1,5 +1,6 @@
 // Which secondary rays the fragments of a dispatch ask for. The rays are numbered; a fragment's word finds what they bring.
 //
+// variants: OCTREE_DEPTH=11 SECONDARY=1 TRANSMISSION=1 SMOOTH_NORMALS=1; OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 TRANSMISSION=1 REFLECTED=1 LOD=1 RESUME=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1; OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 LOD=1 GAZE=1 SPARSE=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 REFLECTED=1 LOD=1 RESUME=1 FRAGMENTS=8u
 #ifndef OCTREE_DEPTH
@@ -20,6 +21,9 @@ layout(location = 0) uniform uint queue_length;
 #endif
 layout(std430, binding = 19) writeonly buffer Asked { uint asked_of[]; };
 layout(std430, binding = 20) writeonly buffer Requests { uint requests[]; };
+#ifdef TRANSMISSION
+layout(std430, binding = 28) buffer Media { uvec2 media_of[]; }; // of rays, by slot
+#endif
 #include "trace/fetch.glsl"
 #include "trace/pixel.glsl"
 #include "shade/surface.glsl"
@@ -39,13 +43,29 @@ void main() {
         return;
     Pixel_square square;
     Pixel_ray ray = ray_of_slot(slot, square);
+#ifdef TRANSMISSION
+#ifdef RESUME
+    uvec2 media = media_of[slot];
+#else
+    uvec2 media = media_of_start(slot);
+    media_of[slot] = media;
+#endif
+#endif
     uint count = GW_STATUS_COUNT(status.x);
     for (uint i = 0u; i < count; ++i) {
         uint fragment = slot * FRAGMENTS + i, word = fragment * GW_FRAGMENT_WORDS;
+#ifdef TRANSMISSION
+        uint kinds = kinds_asked(ray, fragments[word], uintBitsToFloat(fragments[word + 1u]), uintBitsToFloat(fragments[word + 2u]), media);
+#else
         uint kinds = kinds_asked(ray, fragments[word], uintBitsToFloat(fragments[word + 2u]));
+#endif
         uint rays = rays_of(kinds), first = 0u;
         if (rays > 0u)
             first = atomicAdd(totals[3], rays);
+#ifdef TRANSMISSION
+        if ((kinds & GW_RAY_REFRACTED) != 0u)
+            atomicAdd(totals[GW_TOTAL_REFRACTED], 1u);
+#endif
         for (uint which = 0u; which < rays; ++which)
             requests[first + which] = GW_REQUEST(fragment, which);
         asked_of[fragment] = GW_ASKED_WORD(first, kinds);

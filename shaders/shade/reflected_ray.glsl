@@ -20,5 +20,16 @@ Secondary_ray reflected_ray(Met met) {
     float accepted = met.ray.tau * met.width;
     Secondary_origin from = secondary_origin(met.start, accepted, dot(reflected, met.start.normal),
                                              out_of_reach(met.start, accepted, reflected));
-    return Secondary_ray(from.origin, reflected, met.width, growth, met.ray.tau, from.clear, mirror_share(met.id) * reflectance_of(met));
+    Secondary_ray next;
+    next.origin = from.origin;
+    next.direction = reflected;
+    next.width = met.width;
+    next.growth = growth;
+    next.tau = met.ray.tau;
+    next.clear = from.clear;
+    next.part = mirror_share(met.id) * reflectance_of(met);
+#ifdef TRANSMISSION
+    next.skipped = GW_NO_TRIANGLE;
+#endif
+    return next;
 }

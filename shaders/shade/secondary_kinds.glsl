@@ -24,8 +24,31 @@ bool worth_asking(Pixel_ray ray, float part) {
     return part > 0.0 && part >= least;
 }
 
+#ifdef TRANSMISSION
+#include "shade/transmission.glsl"
+
+// The media that a ray starts in.
+uvec2 media_of_start(uint slot) {
+#ifdef REFLECTED
+    return given_rays[slot * GW_SECONDARY_ROWS + 3u].xy;
+#else
+    return frame.media.xy;
+#endif
+}
+
+uint kinds_asked(Pixel_ray ray, uint id, float t, float weight, uvec2 media) {
+    uint kinds = 0u;
+    bool voxel = (id & GW_FRAGMENT_VOXEL) != 0u;
+    Surface surface = surface_of_triangle(voxel ? 0u : id, t, ray.origin, ray.direction, footprint_at(ray, t));
+    Optics optics = optics_of(id, ray.direction / length_precise(ray.direction), surface.normal, surface.metalness, media);
+    float throughput = throughput_of(ray, weight);
+    bool counts = optics.sheer && !optics.passed;
+    kinds |= counts && worth_asking(ray, throughput * optics.reflectance) ? GW_RAY_REFLECTED : 0u;
+    kinds |= counts && worth_asking(ray, throughput * (1.0 - optics.reflectance) * optics.share) ? GW_RAY_REFRACTED : 0u;
+#else
 uint kinds_asked(Pixel_ray ray, uint id, float weight) {
     uint kinds = 0u;
+#endif
 #ifdef MIRROR
     kinds |= worth_asking(ray, throughput_of(ray, weight) * mirror_share(id)) ? GW_RAY_REFLECTED : 0u;
 #endif
@@ -33,5 +56,5 @@ uint kinds_asked(Pixel_ray ray, uint id, float weight) {
 }
 
 uint rays_of(uint kinds) {
-    return kinds & GW_RAY_REFLECTED;
+    return uint(bitCount(kinds));
 }

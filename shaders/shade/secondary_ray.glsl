@@ -12,6 +12,7 @@ struct Met {
     Secondary_start start;
     vec3 normal; // shading normal, unit, on the ray's side
     vec3 color;  // base colour, as far as the kernel reads it
+    float metalness;
 };
 
 struct Secondary_ray {
@@ -20,6 +21,10 @@ struct Secondary_ray {
     float tau;
     float clear; // length up to which only triangles count
     float part;  // of the fragment's light that it brings, at most
+#ifdef TRANSMISSION
+    uvec2 media;  // that it starts in
+    uint skipped; // triangle that it comes through, or GW_NO_TRIANGLE
+#endif
 };
 
 Met met_by(Pixel_ray ray, uint id, float t) {
@@ -39,6 +44,7 @@ Met met_by(Pixel_ray ray, uint id, float t) {
     Surface surface = surface_of_triangle(met.voxel ? 0u : id, t, ray.origin, ray.direction, met.width);
     met.normal = met.voxel ? met.start.normal : surface.normal;
     met.color = met.voxel ? vec3(1.0) : surface.base_color;
+    met.metalness = surface.metalness;
     return met;
 }
 

@@ -1,7 +1,8 @@
 // The secondary rays of one batch of requests.
 //
 // variants: OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 SMOOTH_NORMALS=1; OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 LOD=1 GAZE=1 SPARSE=1 SMOOTH_NORMALS=1 FRAGMENTS=8u
-// variants: OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 REFLECTED=1 LOD=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 REFLECTED=1 LOD=1 FRAGMENTS=8u; OCTREE_DEPTH=11 SECONDARY=1 TRANSMISSION=1
+// variants: OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 TRANSMISSION=1 REFLECTED=1 LOD=1 SMOOTH_NORMALS=1 FRAGMENTS=8u
 #ifndef OCTREE_DEPTH
 #define OCTREE_DEPTH 11
 #endif
@@ -13,7 +14,11 @@ layout(local_size_x = 64) in;
 uniform uint group_base;
 layout(std430, binding = 0) readonly buffer Fragments { uint fragments[]; };
 layout(std430, binding = 20) readonly buffer Requests { uint requests[]; };
-layout(std430, binding = 26) writeonly buffer Next_rays { vec4 next_rays[]; };
+layout(std430, binding = 26) writeonly buffer Next_rays { uvec4 next_rays[]; };
+#ifdef TRANSMISSION
+layout(std430, binding = 19) readonly buffer Asked { uint asked_of[]; };
+layout(std430, binding = 28) readonly buffer Media { uvec2 media_of[]; };
+#endif
 layout(location = 0) uniform uvec3 batch; // first request, number of them, 1 if what they meet may ask for more
 #include "trace/fetch.glsl"
 #include "trace/pixel.glsl"
@@ -21,19 +26,36 @@ layout(location = 0) uniform uvec3 batch; // first request, number of them, 1 if
 #include "shade/secondary_kinds.glsl"
 #include "shade/secondary_ray.glsl"
 #include "shade/reflected_ray.glsl"
+#ifdef TRANSMISSION
+#include "shade/refracted_ray.glsl"
+#endif
 
 void main() {
     uint at = (group_base + gl_WorkGroupID.x) * 64u + gl_LocalInvocationIndex;
     bool present = at < batch.y;
-    uint fragment = GW_REQUEST_FRAGMENT(requests[batch.x + (present ? at : 0u)]), word = fragment * GW_FRAGMENT_WORDS;
+    uint request = requests[batch.x + (present ? at : 0u)];
+    uint fragment = GW_REQUEST_FRAGMENT(request), word = fragment * GW_FRAGMENT_WORDS;
     Pixel_square square;
     Pixel_ray ray = ray_of_slot(fragment / FRAGMENTS, square);
     Met met = met_by(ray, fragments[word], uintBitsToFloat(fragments[word + 1u]));
     float part = throughput_of(ray, uintBitsToFloat(fragments[word + 2u]));
     Secondary_ray next = reflected_ray(met);
+#ifdef TRANSMISSION
+    uvec2 media = media_of[fragment / FRAGMENTS];
+    Optics optics = optics_of(met.id, met.direction, met.normal, met.metalness, media);
+    Secondary_ray through = refracted_ray(met, optics, tint_of(optics, met.color));
+    bool refracts = optics.sheer && (GW_REQUEST_WHICH(request) == 1u || (GW_ASKED_KINDS(asked_of[fragment]) & GW_RAY_REFLECTED) == 0u);
+    next.media = media;
+    next.part = optics.sheer ? optics.reflectance : next.part;
+    if (refracts)
+        next = through;
+#endif
     precise float throughput = part * next.part;
     uint row = at * GW_SECONDARY_ROWS;
-    next_rays[row] = vec4(next.origin, next.width);
-    next_rays[row + 1u] = vec4(next.direction, next.growth);
-    next_rays[row + 2u] = vec4(present ? next.tau : -1.0, next.clear, batch.z != 0u ? throughput : 0.0, 0.0);
+    next_rays[row] = floatBitsToUint(vec4(next.origin, next.width));
+    next_rays[row + 1u] = floatBitsToUint(vec4(next.direction, next.growth));
+    next_rays[row + 2u] = floatBitsToUint(vec4(present ? next.tau : -1.0, next.clear, batch.z != 0u ? throughput : 0.0, 0.0));
+#ifdef TRANSMISSION
+    next_rays[row + 3u] = uvec4(next.media, next.skipped, 0u);
+#endif
 }

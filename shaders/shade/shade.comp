@@ -8,6 +8,7 @@
 // variants: OCTREE_DEPTH=11 LOD=1 GAZE=1 SHADOWS=1 POINT_LIGHTS=1 DIRECTIONAL_LIGHTS=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 UNTIL_COARSE=1 SHADOWS=1 SPOT_LIGHTS=1 ALPHA=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 LOD=1 SECONDARY=1 MIRROR=1 FRAGMENTS=8u; OCTREE_DEPTH=11 REFLECTED=1 SECONDARY=1 MIRROR=1; OCTREE_DEPTH=11 REFLECTED=1 SHADOWS=1 POINT_LIGHTS=1 ALPHA=1 RESUME=1
+// variants: OCTREE_DEPTH=11 SECONDARY=1 ALPHA=1 TRANSMISSION=1 ABSORPTION=1; OCTREE_DEPTH=11 REFLECTED=1 SECONDARY=1 ALPHA=1 TRANSMISSION=1 LOD=1 RESUME=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 DEBUG_VIEW=1; OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=2; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=4
 // variants: OCTREE_DEPTH=11 GAZE=1 SPARSE=1 DEBUG_VIEW=5; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=6; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=7
 #ifndef OCTREE_DEPTH
@@ -41,6 +42,9 @@ layout(std430, binding = 27) buffer Given_sums { vec4 sums[]; };
 #else
 layout(std430, binding = 7) buffer Sums { vec4 sums[]; };
 #endif
+#ifdef TRANSMISSION
+layout(std430, binding = 28) buffer Media { uvec2 media_of[]; }; // of rays, by slot
+#endif
 #ifdef GUIDES
 layout(std430, binding = 21) buffer Guides { uvec4 guides[]; };
 #endif
@@ -55,6 +59,9 @@ layout(location = 0) uniform uint queue_length;
 #include "shade/lights.glsl"
 #ifdef SECONDARY
 #include "shade/secondary_light.glsl"
+#endif
+#ifdef TRANSMISSION
+#include "shade/absorption.glsl"
 #endif
 #include "shade/debug_view.glsl"
 #ifndef SPARSE
@@ -119,6 +126,9 @@ void main() {
     guide = guides[slot];
 #endif
 #endif
+#ifdef TRANSMISSION
+    uvec2 media = media_of[slot], passed_into = media;
+#endif
     for (uint i = 0u; i < count; ++i) {
         uint word = (slot * FRAGMENTS + i) * GW_FRAGMENT_WORDS;
         uint id = fragments[word];
@@ -133,6 +143,11 @@ void main() {
 #else
         Surface surface = surface_of_triangle(id, t, ray.origin, ray.direction, footprint_at(ray, t));
 #endif
+#ifdef TRANSMISSION
+        Optics optics = optics_of(id, -view, surface.normal, surface.metalness, media);
+        if (optics.boundary)
+            surface.alpha = optics.passed ? 0.0 : 1.0;
+#endif
 #ifdef ALPHA
         if (i + 1u == count && (status.x & GW_STATUS_PROVISIONAL) != 0u) {
             weight = composite_provisional(slot, weight * surface.alpha, left);
@@ -146,9 +161,21 @@ void main() {
 #ifdef COUNT
         count_material(id);
 #endif
+#ifdef TRANSMISSION
+        Surface rest = surface;
+        rest.base_color *= 1.0 - optics.share; // what goes through is not scattered
+        precise vec3 lit = light_surface(rest, view, slot * FRAGMENTS + i);
+#else
         precise vec3 lit = light_surface(surface, view, slot * FRAGMENTS + i);
+#endif
 #ifdef SECONDARY
         lit = with_secondary(lit, surface, view, id, slot * FRAGMENTS + i);
+#endif
+#ifdef TRANSMISSION
+        lit = with_transmitted(lit, surface, view, optics, asked_of[slot * FRAGMENTS + i]);
+        lit *= left_of_light(media, t * length_precise(ray.direction));
+        if (optics.passed)
+            passed_into = optics.beyond;
 #endif
         sum += weight * vec4(debug_fragment(lit, surface, id), 1.0);
     }
@@ -156,6 +183,9 @@ void main() {
     guides[slot] = guide;
 #endif
     if (suspended) {
+#ifdef TRANSMISSION
+        media_of[slot] = passed_into;
+#endif
 #if defined(SHADOWS) && (defined(LOD) || defined(UNTIL_COARSE))
         keep_visibilities(slot);
 #endif

@@ -35,7 +35,7 @@ struct Pixel_ray {
 float footprint_at(Pixel_ray ray, float t) {
 #ifdef REFLECTED
     precise float footprint = ray.start + ray.width * t;
-    return footprint;
+    return abs(footprint); // behind a focus it grows again
 #else
     return ray.width * t;
 #endif
@@ -58,12 +58,12 @@ bool in_window(ivec2 pixel) {
 }
 
 #ifdef REFLECTED
-layout(std430, binding = 17) readonly buffer Given_rays { vec4 given_rays[]; }; // GW_SECONDARY_ROWS each
+layout(std430, binding = 17) readonly buffer Given_rays { uvec4 given_rays[]; }; // GW_SECONDARY_ROWS each
 #endif
 
 Pixel_square square_of_slot(uint slot) {
 #if defined(REFLECTED)
-    return Pixel_square(ivec2(0), 1, given_rays[slot * GW_SECONDARY_ROWS + 2u].x >= 0.0);
+    return Pixel_square(ivec2(0), 1, uintBitsToFloat(given_rays[slot * GW_SECONDARY_ROWS + 2u].x) >= 0.0);
 #elif defined(SPARSE)
     uint word = samples[slot];
     uint rate = GW_SAMPLE_RATE(word);
@@ -95,7 +95,8 @@ float pixel_width(vec3 direction) {
 #ifdef REFLECTED
 Pixel_ray ray_of_slot(uint slot, out Pixel_square square) {
     uint row = slot * GW_SECONDARY_ROWS;
-    vec4 start = given_rays[row], aim = given_rays[row + 1u], knobs = given_rays[row + 2u];
+    vec4 start = uintBitsToFloat(given_rays[row]), aim = uintBitsToFloat(given_rays[row + 1u]);
+    vec4 knobs = uintBitsToFloat(given_rays[row + 2u]);
     square = square_of_slot(slot);
     return Pixel_ray(start.xyz, aim.xyz, aim.w, knobs.x, start.w, knobs.y, knobs.z);
 }

@@ -3,7 +3,7 @@
 //
 // variants: OCTREE_DEPTH=11 REFLECTED=1 LOD=1 SPOT_LIGHTS=1 FRAGMENTS=8u; OCTREE_DEPTH=11; OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 LEVEL_BLEND=1 LEAF_BLEND=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 RESUME=1 WIDE_NODES=1 DENSE_LEAVES=1 DOUBLE_EDGES=1 COUNT=1
-// variants: OCTREE_DEPTH=15 ALPHA=1 TEXTURES=1 TEXTURE_CLASSES=2 VERTEX_COLORS=1 COUNT=1
+// variants: OCTREE_DEPTH=11 ALPHA=1 TRANSMISSION=1 ABSORPTION=1; OCTREE_DEPTH=15 ALPHA=1 TEXTURES=1 TEXTURE_CLASSES=2 VERTEX_COLORS=1 COUNT=1
 // variants: OCTREE_DEPTH=11 LOD=1 ALPHA=1 RESUME=1 DENSE_LEAVES=1 FRAGMENTS=8u; OCTREE_DEPTH=9 LOD=1 VOXELS_ONLY=1 FRAGMENTS=8u
 #ifndef OCTREE_DEPTH
 #define OCTREE_DEPTH 11
@@ -40,13 +40,20 @@ layout(location = 2) uniform uint batch_begin;
 #include "shade/surface.glsl"
 #include "shade/light_list.glsl"
 #include "shade/shadow_ray.glsl"
+#ifdef TRANSMISSION
+#include "shade/transmission.glsl"
+#endif
 #ifdef LOD
 Shadow_ray shadow;
 #ifdef ALPHA
 // Opacity of the triangle that the ray has met at t.
 float alpha_of_hit(uint triangle, float t) {
     precise float width = max(shadow.width - shadow.narrowing * t, 0.0);
-    return surface_of_triangle(triangle, t, ray_origin, ray_direction, width).alpha;
+    Surface surface = surface_of_triangle(triangle, t, ray_origin, ray_direction, width);
+#ifdef TRANSMISSION
+    surface.alpha *= 1.0 - straight_through(triangle, surface, ray_direction);
+#endif
+    return surface.alpha;
 }
 #endif
 #include "trace/traverse_lod.glsl"

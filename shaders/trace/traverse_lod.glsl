@@ -106,6 +106,15 @@ void emit_hit() {
 uvec2 met_node; // of the cell in which the walk has stopped
 uint met_index;
 
+// At the cell ahead. One that holds what lets light through never stands for it: a voxel bends nothing.
+float accepted_ahead() {
+#if defined(TRANSMISSION) && !defined(VOXELS_ONLY)
+    return (met_node.y & GW_NODE_SHEER) != 0u ? 0.0 : accepted_error();
+#else
+    return accepted_error();
+#endif
+}
+
 // One step, straight through as in trace/traverse_exact.glsl: down, on, or neither before a cell that is not walked into. True
 // there.
 bool take_step() {
@@ -115,7 +124,7 @@ bool take_step() {
     valid = valid && !leave_ahead;
     COUNT_NODE(valid);
     met_node = NODE(valid ? met_index : 0u);
-    bool coarse = accepted_error() >= 0.5 * float(1 << child_scale);
+    bool coarse = accepted_ahead() >= 0.5 * float(1 << child_scale);
     bool met = valid && (coarse || scale == voxel_scale || GW_NODE_KIND(met_node.y) != GW_KIND_INNER);
     uint below = node_word_of(met_index, met_node);
     ivec3 next;
@@ -220,7 +229,7 @@ void traverse() {
         // Due before the next cell; or beyond the last one's exit, by rounding.
         bool hit_due = !met && !leaf_again && hit_triangle != GW_NO_TRIANGLE && (hit_t <= cell_entry || !in_root);
         bool triangles = GW_NODE_KIND(met_node.y) != GW_KIND_INNER && scale != voxel_scale;
-        float share = triangles ? triangles_share(accepted_error(), float(1 << (scale - 1))) : 0.0;
+        float share = triangles ? triangles_share(accepted_ahead(), float(1 << (scale - 1))) : 0.0;
         bool voxel = met && !leaf_again && share < 1.0;
         // A wall in the face between a leaf and a voxel: the voxel holds nothing of it, and its hit must not be dropped with
         // the voxel for lying in its cell by rounding.

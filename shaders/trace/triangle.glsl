@@ -15,6 +15,9 @@ float hit_t;                    // nearest hit so far
 uint hit_triangle; // with GW_HIT_BACK where its back is met
 float floor_t; // hits count from here on: after (floor_t, floor_triangle) in the order of (t, back, id)
 uint floor_triangle;
+#ifdef TRANSMISSION
+uint skipped_triangle = GW_NO_TRIANGLE; // that the ray comes through
+#endif
 #ifdef ALPHA
 uint hit_flags;
 #endif
@@ -90,6 +93,9 @@ void test_vertices(vec3 va, vec3 vb, vec3 vc, uint id, uint flags) {
     bool nearer = t < hit_t || (t == hit_t && key < hit_triangle);
     bool beyond = t > floor_t || (t == floor_t && key > floor_triangle);
     bool hit = inside && nearer && beyond;
+#ifdef TRANSMISSION
+    hit = hit && id != skipped_triangle;
+#endif
     hit_t = hit ? t : hit_t;
     hit_triangle = hit ? key : hit_triangle;
 #ifdef ALPHA
@@ -97,9 +103,19 @@ void test_vertices(vec3 va, vec3 vb, vec3 vc, uint id, uint flags) {
 #endif
 }
 
+// Whether what the triangle does to the ray is decided where it is hit.
+uint deferred_flag(uint flags) {
+#if defined(TRANSMISSION) && defined(SHADOW_RAYS)
+    flags |= (flags & GW_TRIANGLE_SHEER) != 0u ? GW_TRIANGLE_ALPHA : 0u;
+#elif defined(TRANSMISSION)
+    flags |= (flags & GW_TRIANGLE_BOUNDARY) != 0u ? GW_TRIANGLE_ALPHA : 0u;
+#endif
+    return flags & GW_TRIANGLE_ALPHA;
+}
+
 void test_triangle(uint id) {
     uvec4 a = TRIANGLE(id, 0);
     vec3 b = uintBitsToFloat(TRIANGLE(id, 1).xyz);
     vec3 c = uintBitsToFloat(TRIANGLE(id, 2).xyz);
-    test_vertices(uintBitsToFloat(a.xyz), b, c, id, a.w);
+    test_vertices(uintBitsToFloat(a.xyz), b, c, id, deferred_flag(a.w));
 }

@@ -226,27 +226,35 @@ static void choose_line(maker *m, int kind) {
     }
 }
 
+/* The seed is the state of the random numbers at that moment, so what viewers do depends on the kind. */
+static gw_code make_person(const maker *m, const gw_person_habits *habits, int32_t viewer, gw_person *out,
+                           gw_error *error) {
+    const uint64_t seed = m->random.state + 0x1000u * (uint64_t)viewer + 1;
+    return gw_person_init(out, habits, seed, m->seconds)
+               ? GW_OK
+               : gw_fail(error, GW_MACHINE, "out of memory for a generated viewer");
+}
+
 static gw_code measure_person(maker *m, const gw_person_habits *habits, int32_t viewer, gw_error *error) {
     gw_person person;
-    const uint64_t seed = m->random.state + 0x1000u * (uint64_t)viewer + 1;
-    if (!gw_person_init(&person, habits, seed, m->seconds))
-        return gw_fail(error, GW_MACHINE, "out of memory for a generated viewer");
-    gw_code code = measure_head(m, &person, viewer, error);
+    gw_code code = make_person(m, habits, viewer, &person, error);
+    if (code != GW_OK)
+        return code;
+    code = measure_head(m, &person, viewer, error);
     if (code == GW_OK)
         code = measure_gaze(m, &person, viewer, error);
     gw_person_finish(&person);
     return code;
 }
 
-static gw_code measure_all(maker *m, int kind, gw_error *error) {
+static gw_person_habits habits_of(int kind) {
     gw_person_habits habits = {.place = {0.0, 0.05, 1.8},
+                               .walks = kind == WALKING,
+                               .pursues = kind == PURSUIT,
                                .sway = 1.0,
                                .fixation = {0.25, 1.1},
                                .amplitude = {1.0, 15.0},
                                .blink_every = {2.0, 6.0}};
-    choose_line(m, kind);
-    habits.walks = kind == WALKING;
-    habits.pursues = kind == PURSUIT;
     if (kind == SACCADES) {
         habits.fixation[0] = 0.22;
         habits.fixation[1] = 0.45;
@@ -256,6 +264,11 @@ static gw_code measure_all(maker *m, int kind, gw_error *error) {
     }
     if (kind == TWO_VIEWERS)
         habits.place[0] = -0.5;
+    return habits;
+}
+
+static gw_code measure_all(maker *m, int kind, gw_error *error) {
+    gw_person_habits habits = habits_of(kind);
     gw_code code = measure_person(m, &habits, 0, error);
     if (code == GW_OK && kind == TWO_VIEWERS) {
         habits.place[0] = 0.6;
@@ -292,12 +305,13 @@ static gw_code name_all(gw_recording *recording, const char *kind, uint64_t seed
     return GW_OK;
 }
 
-gw_code gw_generate(const char *kind, uint64_t seed, double seconds, gw_recording **out, gw_error *error) {
-    size_t number = 0;
-    *out = NULL;
-    while (number < gw_generator_kind_count && strcmp(kind, gw_generator_kinds[number].name) != 0)
-        number++;
-    if (number == gw_generator_kind_count)
+/* Its number; GW_BAD_INPUT for a kind or a length that cannot be made. */
+static gw_code begin(const char *kind, uint64_t seed, double seconds, int *number, maker *out,
+                     gw_error *error) {
+    size_t at = 0;
+    while (at < gw_generator_kind_count && strcmp(kind, gw_generator_kinds[at].name) != 0)
+        at++;
+    if (at == gw_generator_kind_count)
         return gw_fail(error, GW_BAD_INPUT,
                        "generate:%s: the kinds are standing, walking, pursuit, saccades, two-viewers and "
                        "dropouts",
@@ -305,14 +319,26 @@ gw_code gw_generate(const char *kind, uint64_t seed, double seconds, gw_recordin
     if (!(seconds >= 0.1 && seconds <= 600.0))
         return gw_fail(error, GW_BAD_INPUT, "generate:%s: 0.1 to 600 seconds can be made, not %g", kind,
                        seconds);
+    *out = (maker){.random = {seed * 0x2545f4914f6cdd1du + at}, .seconds = seconds};
+    *number = (int)at;
+    choose_line(out, *number);
+    return GW_OK;
+}
+
+gw_code gw_generate(const char *kind, uint64_t seed, double seconds, gw_recording **out, gw_error *error) {
     void *memory = NULL;
-    gw_code code = gw_allocate(&memory, 1, sizeof(gw_recording), "generated track", error);
+    maker m;
+    int number;
+    *out = NULL;
+    gw_code code = begin(kind, seed, seconds, &number, &m, error);
+    if (code == GW_OK)
+        code = gw_allocate(&memory, 1, sizeof(gw_recording), "generated track", error);
     if (code != GW_OK)
         return code;
-    maker m = {.recording = memory, .random = {seed * 0x2545f4914f6cdd1du + number}, .seconds = seconds};
+    m.recording = memory;
     code = name_all(m.recording, kind, seed, seconds, error);
     if (code == GW_OK)
-        code = measure_all(&m, (int)number, error);
+        code = measure_all(&m, number, error);
     if (code == GW_OK)
         code = finish(&m, error);
     if (code == GW_OK)
@@ -320,4 +346,16 @@ gw_code gw_generate(const char *kind, uint64_t seed, double seconds, gw_recordin
     else
         gw_recording_destroy(&m.recording);
     return code;
+}
+
+gw_code gw_generated_person(const char *kind, uint64_t seed, double seconds, gw_person *out, int64_t *begun,
+                            gw_error *error) {
+    maker m;
+    int number;
+    gw_code code = begin(kind, seed, seconds, &number, &m, error);
+    if (code != GW_OK)
+        return code;
+    const gw_person_habits habits = habits_of(number);
+    *begun = START;
+    return make_person(&m, &habits, 0, out, error);
 }

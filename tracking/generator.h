@@ -7,6 +7,7 @@
 #ifndef GW_TRACKING_GENERATOR_H
 #define GW_TRACKING_GENERATOR_H
 
+#include "tracking/generator_motion.h"
 #include "tracking/recording.h"
 
 typedef struct gw_generator_kind {
@@ -22,5 +23,10 @@ extern const size_t gw_generator_kind_count;
  * binary fractions as coarse as a tracker's, so that they compress; quaternions and directions are of length
  * 1 to 1e-6. */
 gw_code gw_generate(const char *kind, uint64_t seed, double seconds, gw_recording **out, gw_error *error);
+
+/* Viewer 0 of such a recording as it is, not as it was measured; for gw_person_finish(). *begun: ns since
+ * 1970 of the person's time 0. */
+gw_code gw_generated_person(const char *kind, uint64_t seed, double seconds, gw_person *out, int64_t *begun,
+                            gw_error *error);
 
 #endif

@@ -1,5 +1,5 @@
-/* How a person moves: where the head is, where the eyes look, when they blink. Internal to
- * tracking/generator*.c. All functions of time are smooth and exactly reproducible. */
+/* How a person moves: where the head is, where the eyes look, when they blink. All functions of time are
+ * smooth and exactly reproducible. */
 #ifndef GW_TRACKING_GENERATOR_MOTION_H
 #define GW_TRACKING_GENERATOR_MOTION_H
 

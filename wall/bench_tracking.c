@@ -13,13 +13,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double LEAD = 0.05;   /* s from a frame's state to its photons */
 static const double SETTLED = 0.5; /* s that a filter has to begin with */
 
 const char *const gw_tracking_head_figures[GW_TRACKING_FIGURES] = {
     "lag_ms", "told_ms", "jitter_mm", "error_mm", "predicted_error_mm", "predicted_jitter_mm"};
 
-static const char *const head_filters[] = {
+const char *const gw_tracking_head_filters[GW_TRACKING_HEAD_FILTERS] = {
     "head_filter=none",
     "head_filter=one-euro",
     "head_filter=one-euro head_cutoff=1 head_cutoff_growth=10",
@@ -84,9 +83,10 @@ static gw_code make_path(const gw_person *person, double seconds, gw_tracking_pa
 
 /* --- heads */
 
-gw_code gw_bench_tracker(const char *settings, gw_tracker **out, gw_error *error) {
+gw_code gw_bench_tracker(const char *settings, const gw_tracker_setup *setup, gw_tracker **out,
+                         gw_error *error) {
     gw_settings all;
-    gw_tracker_setup setup;
+    gw_tracker_setup plain;
     char text[256], *rest = text;
     gw_settings_init(&all);
     snprintf(text, sizeof text, "%s", settings);
@@ -95,9 +95,9 @@ gw_code gw_bench_tracker(const char *settings, gw_tracker **out, gw_error *error
         if (code)
             return code;
     }
-    gw_tracker_setup_default("bench", &setup);
+    gw_tracker_setup_default("bench", &plain);
     const gw_tracker_options options = {.settings = &all, .neutral_eye = {0, 0, 1800}, .adopt_first = 1};
-    return gw_tracker_create(&setup, &options, out, error);
+    return gw_tracker_create(setup ? setup : &plain, &options, out, error);
 }
 
 /* What is seen of a path: after each sample, `lead` s before the frame is seen. */
@@ -114,7 +114,7 @@ static gw_code watch(const gw_tracking_path *path, const char *settings, double 
     gw_tracker *tracker = NULL;
     gw_tracker_view view;
     const size_t count = (size_t)(path->seconds * rate);
-    gw_code code = gw_bench_tracker(settings, &tracker, error);
+    gw_code code = gw_bench_tracker(settings, NULL, &tracker, error);
     memset(out, 0, sizeof *out);
     if (!code)
         code = gw_allocate((void **)&out->times, count, sizeof *out->times, "times", error);
@@ -161,14 +161,14 @@ static gw_code measure_head(const gw_tracking_path *walk, const gw_tracking_path
     const gw_tracking_path *paths[4] = {walk, rest, walk, rest};
     gw_code code = GW_OK;
     for (int i = 0; i < 4 && !code; i++)
-        code = watch(paths[i], i < 2 ? still : row->filter, row->rate, row->noise, i < 2 ? 0 : LEAD, &w[i],
-                     error);
+        code = watch(paths[i], i < 2 ? still : row->filter, row->rate, row->noise,
+                     i < 2 ? 0 : GW_TRACKING_LEAD, &w[i], error);
     if (!code) {
         row->figures[0] = 1e3 * gw_tracking_lag(walk, w[0].times, w[0].eyes, w[0].count);
         row->figures[1] = 1e3 * w[0].told;
         row->figures[2] = error_of(rest, &w[1], 0);
-        row->figures[3] = error_of(walk, &w[0], LEAD);
-        row->figures[4] = error_of(walk, &w[2], LEAD);
+        row->figures[3] = error_of(walk, &w[0], GW_TRACKING_LEAD);
+        row->figures[4] = error_of(walk, &w[2], GW_TRACKING_LEAD);
         row->figures[5] = error_of(rest, &w[3], 0);
     }
     for (int i = 0; i < 4; i++)
@@ -193,10 +193,10 @@ static gw_code measure_heads(double seconds, gw_tracking_row *rows, uint32_t *co
         code = make_path(NULL, seconds, &rest, error);
     for (size_t n = 0; n < 2; n++)
         for (size_t r = 0; r < 2; r++)
-            for (size_t f = 0; f < sizeof head_filters / sizeof *head_filters && !code; f++) {
+            for (size_t f = 0; f < GW_TRACKING_HEAD_FILTERS && !code; f++) {
                 gw_tracking_row *row = &rows[(*count)++];
                 *row = (gw_tracking_row){.table = "head", .rate = rates[r], .noise = noises[n]};
-                snprintf(row->filter, sizeof row->filter, "%s", head_filters[f]);
+                snprintf(row->filter, sizeof row->filter, "%s", gw_tracking_head_filters[f]);
                 code = measure_head(&walk, &rest, row, error);
             }
     gw_person_finish(&person);
@@ -212,7 +212,7 @@ static gw_code measure_cost(const gw_bench *bench, double cost[3], gw_error *err
     const uint32_t samples = bench->quick ? 20000 : 200000;
     gw_tracker *tracker = NULL;
     gw_tracker_view view;
-    gw_code code = gw_bench_tracker("head_filter=kalman gaze_filter=one-euro", &tracker, error);
+    gw_code code = gw_bench_tracker("head_filter=kalman gaze_filter=one-euro", NULL, &tracker, error);
     for (int part = 0; part < 3 && !code; part++) {
         const int64_t begin = gw_processor_ns();
         for (uint32_t i = 0; i < samples; i++) {
@@ -244,12 +244,14 @@ static const char *const *figures_of(const gw_tracking_row *row) {
 
 static void print_rows(const gw_tracking_row *rows, uint32_t count, const double cost[3]) {
     printf("how late and how steady the tracker is; figures at presentation are for %g ms ahead\n",
-           1e3 * LEAD);
+           1e3 * GW_TRACKING_LEAD);
     for (uint32_t i = 0; i < count; i++) {
         const char *const *names = figures_of(&rows[i]);
-        const int first = i == 0 || strcmp(rows[i].table, rows[i - 1].table) != 0;
+        const int first = i == 0 || strcmp(rows[i].table, rows[i - 1].table) != 0 ||
+                          strcmp(rows[i].track, rows[i - 1].track) != 0;
         if (first || rows[i].rate != rows[i - 1].rate || rows[i].noise != rows[i - 1].noise) {
-            printf("%s, %g Hz, noise %g %s\n  %-62s", rows[i].table, rows[i].rate, rows[i].noise,
+            printf("%s, %s%s%g Hz, noise %g %s\n  %-62s", rows[i].table, rows[i].track,
+                   rows[i].track[0] ? ", " : "", rows[i].rate, rows[i].noise,
                    names == gw_tracking_head_figures ? "mm" : "degrees", "");
             for (int k = 0; k < GW_TRACKING_FIGURES; k++)
                 printf(" %s", names[k]);
@@ -267,16 +269,17 @@ static void print_rows(const gw_tracking_row *rows, uint32_t count, const double
 static void report_rows(gw_bench *bench, const gw_tracking_row *rows, uint32_t count, const double cost[3]) {
     json_t *list = json_array();
     for (uint32_t i = 0; i < count; i++) {
-        json_t *object = json_pack("{s:s, s:s, s:f, s:f}", "table", rows[i].table, "filter", rows[i].filter,
-                                   "rate_hz", rows[i].rate, "noise", rows[i].noise);
+        json_t *object =
+            json_pack("{s:s, s:s, s:s, s:f, s:f}", "table", rows[i].table, "track", rows[i].track, "filter",
+                      rows[i].filter, "rate_hz", rows[i].rate, "noise", rows[i].noise);
         for (int k = 0; k < GW_TRACKING_FIGURES; k++)
             json_object_set_new(object, figures_of(&rows[i])[k], json_real(rows[i].figures[k]));
         json_array_append_new(list, object);
     }
     json_object_set_new(bench->report, "bench",
                         json_pack("{s:s, s:f, s:o, s:{s:f, s:f, s:f}}", "name", "tracking", "lead_ms",
-                                  1e3 * LEAD, "rows", list, "cost_us", "head_sample", 1e-3 * cost[0],
-                                  "gaze_sample", 1e-3 * cost[1], "view", 1e-3 * cost[2]));
+                                  1e3 * GW_TRACKING_LEAD, "rows", list, "cost_us", "head_sample",
+                                  1e-3 * cost[0], "gaze_sample", 1e-3 * cost[1], "view", 1e-3 * cost[2]));
 }
 
 static gw_code write_rows(const gw_bench *bench, const gw_tracking_row *rows, uint32_t count,
@@ -286,11 +289,11 @@ static gw_code write_rows(const gw_bench *bench, const gw_tracking_row *rows, ui
     FILE *stream = open_memstream(&text, &size);
     if (!stream)
         return gw_fail(error, GW_MACHINE, "memory is out while writing results");
-    fputs("table,filter,rate_hz,noise,figure,value\n", stream);
+    fputs("table,track,filter,rate_hz,noise,figure,value\n", stream);
     for (uint32_t i = 0; i < count; i++)
         for (int k = 0; k < GW_TRACKING_FIGURES; k++)
-            fprintf(stream, "%s,%s,%g,%g,%s,%.6g\n", rows[i].table, rows[i].filter, rows[i].rate,
-                    rows[i].noise, figures_of(&rows[i])[k], rows[i].figures[k]);
+            fprintf(stream, "%s,%s,%s,%g,%g,%s,%.6g\n", rows[i].table, rows[i].track, rows[i].filter,
+                    rows[i].rate, rows[i].noise, figures_of(&rows[i])[k], rows[i].figures[k]);
     fclose(stream);
     gw_code code = gw_bench_write(bench, "tracking", text, size, error);
     free(text);
@@ -305,6 +308,8 @@ gw_code gw_bench_tracking(gw_bench *bench, gw_error *error) {
     gw_code code = measure_heads(seconds, rows, &count, error);
     if (!code)
         code = gw_bench_tracking_gaze(seconds, rows, &count, error);
+    if (!code)
+        code = gw_bench_tracking_shipped(rows, &count, error);
     if (!code)
         code = measure_cost(bench, cost, error);
     if (code)

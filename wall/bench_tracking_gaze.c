@@ -12,7 +12,7 @@
 const char *const gw_tracking_gaze_figures[GW_TRACKING_FIGURES] = {
     "lag_ms", "told_ms", "jitter_deg", "after_saccade_deg", "saccades_missed", "saccades_false"};
 
-static const char *const filters[] = {
+const char *const gw_tracking_gaze_filters[GW_TRACKING_GAZE_FILTERS] = {
     "gaze_filter=none",
     "gaze_filter=one-euro",
     "gaze_filter=one-euro gaze_cutoff=1 gaze_cutoff_growth=0.02",
@@ -34,8 +34,7 @@ static void look(const eyes *e, double time, double out[3]) {
     }
 }
 
-/* Seconds since the saccade that ended last; far back when one goes on. */
-static double since_saccade(const gw_person *person, double time) {
+double gw_tracking_since_saccade(const gw_person *person, double time) {
     double since = 1000;
     for (size_t i = 0; i < person->saccade_count; i++) {
         const gw_move *m = &person->saccades[i];
@@ -52,20 +51,11 @@ typedef struct result {
     double missed, wrong; /* saccades that were made and not found; found and not made */
 } result;
 
-enum { SACCADES = 256 };
-
-/* Which of the person's saccades were found, each once, and how often there was none. */
-typedef struct findings {
-    uint8_t found[SACCADES];
-    uint64_t told; /* by the tracker, so far */
-    double wrong;
-} findings;
-
-/* A saccade is found where one goes on, or ended less than `late` seconds ago. */
-static void note_findings(const gw_person *person, double time, double late, uint64_t told, findings *f) {
+void gw_tracking_note(const gw_person *person, double time, double late, uint64_t told,
+                      gw_tracking_findings *f) {
     const int news = told > f->told;
     f->told = told;
-    for (size_t i = 0; news && i < person->saccade_count && i < SACCADES; i++) {
+    for (size_t i = 0; news && i < person->saccade_count && i < GW_TRACKING_SACCADES; i++) {
         const gw_move *m = &person->saccades[i];
         if (!f->found[i] && time >= m->start && time <= m->start + m->duration + late) {
             f->found[i] = 1;
@@ -75,9 +65,9 @@ static void note_findings(const gw_person *person, double time, double late, uin
     f->wrong += news;
 }
 
-static double missed_of(const gw_person *person, double seconds, const findings *f) {
+double gw_tracking_missed(const gw_person *person, double seconds, const gw_tracking_findings *f) {
     double missed = 0;
-    for (size_t i = 0; i < person->saccade_count && i < SACCADES; i++)
+    for (size_t i = 0; i < person->saccade_count && i < GW_TRACKING_SACCADES; i++)
         missed += person->saccades[i].start < seconds && !f->found[i];
     return missed;
 }
@@ -92,8 +82,8 @@ static gw_code watch(const eyes *e, double seconds, const gw_tracking_row *row, 
     gw_tracking_path path = {.seconds = seconds};
     double *times = NULL, (*seen)[3] = NULL, sum = 0, after = 0;
     size_t landed = 0;
-    findings f = {.wrong = 0};
-    gw_code code = gw_bench_tracker(row->filter, &tracker, error);
+    gw_tracking_findings f = {.wrong = 0};
+    gw_code code = gw_bench_tracker(row->filter, NULL, &tracker, error);
     if (!code)
         code = gw_allocate((void **)&path.at, grid, sizeof *path.at, "a path", error);
     if (!code)
@@ -116,8 +106,8 @@ static gw_code watch(const eyes *e, double seconds, const gw_tracking_row *row, 
         gw_tracker_at(tracker, event.arrival, event.arrival, &view);
         memcpy(seen[i], view.viewers[0].gaze_direction, sizeof *seen);
         const double off = gw_degrees_between(seen[i], truth);
-        const double since = since_saccade(&e->person, times[i]);
-        note_findings(&e->person, times[i], 0.02 + 1 / row->rate, gw_tracker_count(tracker)->saccades, &f);
+        const double since = gw_tracking_since_saccade(&e->person, times[i]);
+        gw_tracking_note(&e->person, times[i], 0.02 + 1 / row->rate, gw_tracker_count(tracker)->saccades, &f);
         sum += off * off;
         out->told += 1e-9 * (double)view.viewers[0].gaze_delay;
         if (since > 1 / row->rate && since < 0.1) {
@@ -130,7 +120,7 @@ static gw_code watch(const eyes *e, double seconds, const gw_tracking_row *row, 
         out->told /= (double)count;
         out->error = sqrt(sum / (double)count);
         out->after = sqrt(after / (double)(landed ? landed : 1));
-        out->missed = missed_of(&e->person, seconds, &f);
+        out->missed = gw_tracking_missed(&e->person, seconds, &f);
         out->wrong = f.wrong;
     }
     gw_tracker_destroy(&tracker);
@@ -175,10 +165,10 @@ gw_code gw_bench_tracking_gaze(double seconds, gw_tracking_row *rows, uint32_t *
     gw_code code = made ? GW_OK : gw_fail(error, GW_MACHINE, "memory is out while making a person");
     for (size_t n = 0; n < 2; n++)
         for (size_t r = 0; r < 2; r++)
-            for (size_t f = 0; f < sizeof filters / sizeof *filters && !code; f++) {
+            for (size_t f = 0; f < GW_TRACKING_GAZE_FILTERS && !code; f++) {
                 gw_tracking_row *row = &rows[(*count)++];
                 *row = (gw_tracking_row){.table = "gaze", .rate = rates[r], .noise = noises[n]};
-                snprintf(row->filter, sizeof row->filter, "%s", filters[f]);
+                snprintf(row->filter, sizeof row->filter, "%s", gw_tracking_gaze_filters[f]);
                 code = measure(&pursuing, &jumping, &resting, seconds, row, error);
             }
     gw_person_finish(&pursuing.person);

@@ -5,10 +5,18 @@
 #include <math.h>
 #include <string.h>
 
-static const int64_t SPAN = 10000000;    /* ns over which samples are averaged before they are compared */
-static const int64_t GAP = 200000000;    /* ns */
-static const double REST = 0.5;          /* of saccade_speed: below it the saccade is over (hysteresis) */
-static const double MAIN_SEQUENCE = 110; /* deg/s of a saccade of one degree */
+/* ns over which samples are averaged before they are compared with those before; and the part of
+ * saccade_speed that counts over them, as a saccade that is shorter than the span moves slower on average. */
+static const struct span {
+    int64_t length;
+    double part;
+} spans[GW_GAZE_SPANS] = {{10000000, 1}, {20000000, 0.85}, {40000000, 0.5}};
+/* What begins so soon after a saccade is its rest: eyes need 0.1 s and more before they leave again, and so
+ * long it stays within the longest span. */
+static const int64_t REFRACTORY = 80000000; /* ns */
+static const int64_t GAP = 200000000;       /* ns */
+static const double REST = 0.5;             /* of saccade_speed: below it the saccade is over (hysteresis) */
+static const double MAIN_SEQUENCE = 110;    /* deg/s of a saccade of one degree */
 static const double SHORTEST = 0.021, PER_DEGREE = 0.0022; /* s of a saccade, and for each degree of it */
 static const double OVERSHOOT =
     0.1;                          /* of the whole way, by which saccades land off (Becker and Fuchs 1969) */
@@ -36,7 +44,8 @@ static int make_unit(double v[3]) {
 void gw_gaze_filter_begin(gw_gaze_filter *filter, const gw_gaze_tuning *tuning) {
     memset(filter, 0, sizeof *filter);
     filter->tuning = *tuning;
-    filter->usual = tuning->saccade_speed / 8;
+    for (int i = 0; i < GW_GAZE_SPANS; i++)
+        filter->usual[i] = tuning->saccade_speed / 8;
 }
 
 void gw_gaze_filter_restart(gw_gaze_filter *filter) {
@@ -58,17 +67,18 @@ static void add(mean *m, const double direction[3], int64_t time) {
 }
 
 /* Two neighbours alone would be mostly noise at a high rate: at 1000 Hz a tenth of a degree is 140 deg/s. So
- * the mean of the newest SPAN is compared with that of the SPAN before, or with the last sample of all. */
-static double speed_of(const gw_gaze_filter *f) {
+ * the mean of the newest samples of a span is compared with that of the span before, or with the last sample
+ * of all. The way between them, 1/s; 0: there are not enough samples. */
+static int velocity_over(const gw_gaze_filter *f, int64_t length, double out[3]) {
     const uint32_t newest = (f->count - 1) % GW_GAZE_RING;
     const uint32_t kept = f->count < GW_GAZE_RING ? f->count : GW_GAZE_RING;
     mean now = {{0}, 0, 0}, before = {{0}, 0, 0};
     for (uint32_t age = 0; age < kept; age++) {
         const uint32_t i = (newest + GW_GAZE_RING - age) % GW_GAZE_RING;
         const int64_t past = f->ring[newest].time - f->ring[i].time;
-        if (past < SPAN)
+        if (past < length)
             add(&now, f->ring[i].direction, -past);
-        else if (past < 2 * SPAN || before.count == 0)
+        else if (past < 2 * length || before.count == 0)
             add(&before, f->ring[i].direction, -past);
         else
             break;
@@ -76,7 +86,14 @@ static double speed_of(const gw_gaze_filter *f) {
     if (!before.count || !make_unit(now.direction) || !make_unit(before.direction))
         return 0;
     const double seconds = 1e-9 * (now.time / now.count - before.time / before.count);
-    return gw_degrees_between(now.direction, before.direction) / seconds;
+    for (int i = 0; i < 3; i++)
+        out[i] = (now.direction[i] - before.direction[i]) / seconds;
+    return 1;
+}
+
+/* deg/s; chords for arcs, which over spans are 1 % apart at most. */
+static double speed_of(const double v[3]) {
+    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) * (180 / GW_PI);
 }
 
 /* --- filter */
@@ -85,6 +102,22 @@ static void take_as_it_is(gw_gaze_filter *f, const double unit[3]) {
     memcpy(f->at, unit, sizeof f->at);
     f->slow = 0;
     f->delay = 0;
+}
+
+/* Through a saccade: as it is, or, where a single sample is so noisy that only a longer span told the
+ * saccade, as the mean of the newest half of that span. */
+static void follow(gw_gaze_filter *f, const double unit[3]) {
+    const uint32_t newest = (f->count - 1) % GW_GAZE_RING;
+    double sum[3] = {0, 0, 0};
+    const int64_t length = f->tuning.filtered && f->span ? spans[f->span].length / 2 : 0;
+    for (uint32_t age = 0; age < f->count && age < GW_GAZE_RING; age++) {
+        const uint32_t i = (newest + GW_GAZE_RING - age) % GW_GAZE_RING;
+        if (age && f->ring[newest].time - f->ring[i].time >= length)
+            break;
+        for (int k = 0; k < 3; k++)
+            sum[k] += f->ring[i].direction[k];
+    }
+    take_as_it_is(f, make_unit(sum) ? sum : unit);
 }
 
 static void smooth(gw_gaze_filter *f, const double unit[3], double dt) {
@@ -113,36 +146,87 @@ static double way_of(const gw_gaze_filter *f) {
     return way * way < LARGEST ? way * way : LARGEST;
 }
 
-/* A tracker that shakes says high speeds all the time: 4 times the median is passed by one in 65,000 speeds
- * of plain noise (Rayleigh's distribution), whatever its size (after M. Nystrom, K. Holmqvist: An adaptive
- * algorithm for fixation, saccade, and glissade detection, 2010). Up and down by equal parts, it comes to
- * rest where half of the speeds lie on either side; saccades take too little of the time to move it. */
-static double threshold(gw_gaze_filter *f, double dt) {
-    const double part = fmin(dt / 0.3, 0.2), now = fmax(f->tuning.saccade_speed, 4 * f->usual);
-    f->usual = fmin(fmax(f->usual * (f->speed > f->usual ? 1 + part : 1 - part), 1), 1000);
-    return now;
+/* A tracker that shakes says high speeds all the time, so a speed counts that passes a multiple of the usual
+ * one, told by its median, which saccades take too little of the time to move (R. Engbert, R. Kliegl:
+ * Microsaccades uncover the orientation of covert attention, 2003; M. Nystrom, K. Holmqvist: An adaptive
+ * algorithm for fixation, saccade, and glissade detection, 2010): 4 medians are passed by one in 65,000
+ * speeds of plain noise (Rayleigh's distribution). Engbert and Kliegl look at one span; what drowns in a
+ * short one stands out in a longer one, over which noise averages out, so each span has a median of its own.
+ * Up and down by equal parts, it comes to rest where half of the speeds lie on either side. What the eyes do
+ * between saccades - pursuit - is taken off. */
+static double threshold(const gw_gaze_filter *f, int span) {
+    return fmax(f->tuning.saccade_speed * spans[span].part, 4 * f->usual[span]);
 }
 
 /* Ends by rest, or because no saccade lasts as long: then it is the tracker that shakes. */
-static int goes_on(const gw_gaze_filter *f, double least, int64_t time) {
+static int goes_on(const gw_gaze_filter *f, const double speeds[GW_GAZE_SPANS], int64_t time) {
     const double gone = 1e-9 * (double)(time - f->since), slack = 0.05;
-    return f->speed >= REST * least && gone <= SHORTEST + PER_DEGREE * LARGEST + slack;
+    int moves = 0;
+    for (int i = 0; i <= f->span; i++)
+        moves |= speeds[i] >= REST * threshold(f, i);
+    return moves && gone <= SHORTEST + PER_DEGREE * LARGEST + slack;
+}
+
+/* Spans that are looked at for a saccade: a shorter one that sees it, too, tells its end sooner; one that was
+ * just over is still within the longer ones. */
+static int was_just_over(const gw_gaze_filter *f, int64_t time) {
+    return f->saccades && time - f->ended < REFRACTORY;
+}
+
+static int spans_to_look_at(const gw_gaze_filter *f, int64_t time) {
+    if (f->in_saccade)
+        return f->span;
+    return was_just_over(f, time) ? f->span + 1 : GW_GAZE_SPANS;
+}
+
+static void begin_saccade(gw_gaze_filter *f, const double before[3], int64_t time) {
+    f->in_saccade = 1;
+    if (was_just_over(f, time))
+        return; /* the same one */
+    f->saccades++;
+    f->since = time;
+    f->peak = 0;
+    memcpy(f->from, before, sizeof f->from);
+}
+
+/* Of longer spans than the one by which a saccade was seen nothing is learned while they hold it. That one
+ * goes on learning, or a tracker that shakes more than it did would be in a saccade for ever. */
+static void learn(gw_gaze_filter *f, const double speeds[GW_GAZE_SPANS], const double velocity[3], double dt,
+                  int64_t time) {
+    const double part = fmin(dt / 0.3, 0.2), weight = fmin(dt / 0.2, 0.5);
+    const int held = f->in_saccade || was_just_over(f, time);
+    for (int i = 0; i < (held ? f->span + 1 : GW_GAZE_SPANS); i++)
+        f->usual[i] = fmin(fmax(f->usual[i] * (speeds[i] > f->usual[i] ? 1 + part : 1 - part), 1), 1000);
+    for (int i = 0; i < 3 && !held; i++)
+        f->drift[i] += weight * (velocity[i] - f->drift[i]);
 }
 
 static void watch(gw_gaze_filter *f, const double before[3], double dt, int64_t time) {
+    double velocities[GW_GAZE_SPANS][3] = {{0}}, speeds[GW_GAZE_SPANS];
+    for (int i = 0; i < GW_GAZE_SPANS; i++) {
+        double beyond[3] = {0, 0, 0};
+        if (velocity_over(f, spans[i].length, velocities[i]))
+            for (int k = 0; k < 3; k++)
+                beyond[k] = velocities[i][k] - f->drift[k];
+        speeds[i] = speed_of(beyond);
+    }
+    f->speed = speed_of(velocities[0]);
     if (f->tuning.saccade_speed <= 0)
         return;
-    const double least = threshold(f, dt);
-    if (f->in_saccade) {
-        f->peak = f->speed > f->peak ? f->speed : f->peak;
-        f->in_saccade = goes_on(f, least, time);
-    } else if (f->speed >= least) {
-        f->in_saccade = 1;
-        f->saccades++;
-        f->since = time;
-        f->peak = f->speed;
-        memcpy(f->from, before, sizeof f->from);
+    if (f->in_saccade && !goes_on(f, speeds, time)) {
+        f->in_saccade = 0;
+        f->ended = time;
     }
+    const int count = spans_to_look_at(f, time);
+    int seen = 0;
+    while (seen < count && speeds[seen] < threshold(f, seen))
+        seen++;
+    if (seen < count && !f->in_saccade)
+        begin_saccade(f, before, time);
+    f->span = seen < count ? seen : f->span;
+    if (f->in_saccade)
+        f->peak = fmax(f->peak, f->speed);
+    learn(f, speeds, velocities[GW_GAZE_SPANS - 1], dt, time);
 }
 
 static void keep(gw_gaze_filter *f, const double unit[3], int64_t time) {
@@ -160,11 +244,12 @@ int gw_gaze_filter_take(gw_gaze_filter *f, const double direction[3], int64_t ti
         return 0;
     if (!f->started || time - last > GAP) {
         const uint32_t saccades = f->saccades;
-        const double usual = f->usual;
+        double usual[GW_GAZE_SPANS];
+        memcpy(usual, f->usual, sizeof usual);
         const gw_gaze_tuning tuning = f->tuning;
         gw_gaze_filter_begin(f, &tuning);
         f->saccades = saccades;
-        f->usual = usual;
+        memcpy(f->usual, usual, sizeof usual);
         f->started = 1;
         keep(f, unit, time);
         take_as_it_is(f, unit);
@@ -173,13 +258,12 @@ int gw_gaze_filter_take(gw_gaze_filter *f, const double direction[3], int64_t ti
     }
     memcpy(before, f->at, sizeof before);
     keep(f, unit, time);
-    f->speed = speed_of(f);
     const int was = f->in_saccade;
     const double dt = 1e-9 * (double)(time - last);
     watch(f, before, dt, time);
     /* The sample at which it comes to rest is the first of the fixation. */
     if (f->in_saccade || was)
-        take_as_it_is(f, unit);
+        follow(f, unit);
     else
         smooth(f, unit, dt);
     return 1;

@@ -9,7 +9,10 @@
 
 #include <stdint.h>
 
-enum { GW_GAZE_RING = 32 };
+enum {
+    GW_GAZE_RING = 128, /* samples; more than 80 ms up to 1500 a second */
+    GW_GAZE_SPANS = 3   /* over which it looks for saccades: 10, 20 and 40 ms */
+};
 
 typedef struct gw_gaze_tuning {
     int filtered;         /* 0: directions pass as they are */
@@ -21,12 +24,15 @@ typedef struct gw_gaze_tuning {
 typedef struct gw_gaze_filter {
     gw_gaze_tuning tuning;
     int started;
-    double at[3];         /* unit: filtered */
-    double delay;         /* s, group delay now */
-    double speed;         /* deg/s, over the newest 10 ms against those before, or of the last two samples */
-    double slow;          /* deg/s, as One-Euro's cutoff sees it */
-    double usual;         /* deg/s, about the median of `speed`: noise, mostly */
+    double at[3]; /* unit: filtered */
+    double delay; /* s, group delay now */
+    double speed; /* deg/s, over the newest 10 ms against those before, or of the last two samples */
+    double slow;  /* deg/s, as One-Euro's cutoff sees it */
+    double usual[GW_GAZE_SPANS]; /* deg/s, about the median of speeds over each span: noise, mostly */
+    double drift[3];      /* 1/s: how the gaze moves between saccades, about the mean of the last 0.2 s */
+    int64_t ended;        /* ns: the last saccade; 0: none yet */
     int in_saccade;       /* since the sample at `since` */
+    int span;             /* the shortest over which it was seen */
     int64_t since;        /* ns */
     double from[3], peak; /* where it began; deg/s */
     uint32_t saccades;    /* how many were seen to begin */

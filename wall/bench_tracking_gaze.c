@@ -34,10 +34,17 @@ static void look(const eyes *e, double time, double out[3]) {
     }
 }
 
+/* Slower moves are eyes that fall behind what they follow. */
+static int is_saccade(const gw_move *m) {
+    return m->duration < 0.2;
+}
+
 double gw_tracking_since_saccade(const gw_person *person, double time) {
     double since = 1000;
     for (size_t i = 0; i < person->saccade_count; i++) {
         const gw_move *m = &person->saccades[i];
+        if (!is_saccade(m))
+            continue;
         if (time > m->start && time < m->start + m->duration)
             return 1000;
         if (time >= m->start + m->duration)
@@ -57,7 +64,7 @@ void gw_tracking_note(const gw_person *person, double time, double late, uint64_
     f->told = told;
     for (size_t i = 0; news && i < person->saccade_count && i < GW_TRACKING_SACCADES; i++) {
         const gw_move *m = &person->saccades[i];
-        if (!f->found[i] && time >= m->start && time <= m->start + m->duration + late) {
+        if (!f->found[i] && is_saccade(m) && time >= m->start && time <= m->start + m->duration + late) {
             f->found[i] = 1;
             return;
         }
@@ -65,10 +72,24 @@ void gw_tracking_note(const gw_person *person, double time, double late, uint64_
     f->wrong += news;
 }
 
+/* Smaller ones lie within every margin of a gaze; what a blink hides nobody sees. */
+static int is_worth_finding(const gw_person *person, const gw_move *m) {
+    const double smallest = 2, open = 0.35;
+    double from[3], to[3], openness[3], between[3];
+    if (!is_saccade(m))
+        return 0;
+    gw_person_gaze(person, m->start, from, &openness[0]);
+    gw_person_gaze(person, m->start + 0.5 * m->duration, between, &openness[1]);
+    gw_person_gaze(person, m->start + m->duration, to, &openness[2]);
+    return gw_degrees_between(from, to) >= smallest && openness[0] > open && openness[1] > open &&
+           openness[2] > open;
+}
+
 double gw_tracking_missed(const gw_person *person, double seconds, const gw_tracking_findings *f) {
     double missed = 0;
     for (size_t i = 0; i < person->saccade_count && i < GW_TRACKING_SACCADES; i++)
-        missed += person->saccades[i].start < seconds && !f->found[i];
+        missed += person->saccades[i].start + person->saccades[i].duration < seconds && !f->found[i] &&
+                  is_worth_finding(person, &person->saccades[i]);
     return missed;
 }
 

@@ -381,6 +381,45 @@ static void noise_is_no_saccade(void **state) {
     }
 }
 
+/* Half a degree of noise, and saccades of 3 degrees to and fro: most are slower than what that noise makes of
+ * neighbours, which is all that a detector with one span of 10 ms sees. */
+static void saccades_are_found_in_noise(void **state) {
+    (void)state;
+    const double rates[] = {120, 240}, every = 0.5, amplitude = 3, lasts = 0.028;
+    const gw_gaze_tuning tuning = {1, {2, 0.02}, 70, 30};
+    for (size_t r = 0; r < 2; r++) {
+        uint64_t seed = 7 + r;
+        gw_gaze_filter f;
+        gw_gaze_filter_begin(&f, &tuning);
+        int made = 0, found = 0, found_by_one_span = 0;
+        uint32_t told = 0, all = 0;
+        for (int turn = 0; turn < 60; turn++) {
+            int seen = 0, one_span = 0;
+            for (int i = 0; i < every * rates[r]; i++) {
+                const double part = i / rates[r], moved = saccade_at(amplitude, 1 + part) / amplitude;
+                double d[3];
+                direction(amplitude * (turn % 2 ? 1 - moved : moved), 0.5, &seed, d);
+                gw_gaze_filter_take(&f, d, (int64_t)((turn * every + part) * 1e9));
+                if (part <= lasts + 0.04) {
+                    seen |= f.saccades > told;
+                    one_span |= f.speed >= fmax(70, 4 * f.usual[0]);
+                }
+                told = f.saccades;
+            }
+            if (turn < 10) { /* what is usual is learned */
+                all = told;
+                continue;
+            }
+            made++;
+            found += seen;
+            found_by_one_span += one_span;
+        }
+        print_message("# %g Hz: %d of %d, %d by one span\n", rates[r], found, made, found_by_one_span);
+        assert_true(found >= made - 3 && found_by_one_span <= made * 2 / 3);
+        assert_true(told - all <= (uint32_t)(found + 2));
+    }
+}
+
 static void blinks_start_anew(void **state) {
     (void)state;
     const gw_gaze_tuning tuning = {1, {1, 0}, 70, 30};
@@ -407,6 +446,7 @@ int main(void) {
         cmocka_unit_test(saccades_are_found_and_not_filtered),
         cmocka_unit_test(fixations_and_pursuit_are_no_saccades),
         cmocka_unit_test(noise_is_no_saccade),
+        cmocka_unit_test(saccades_are_found_in_noise),
         cmocka_unit_test(blinks_start_anew),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -278,3 +278,19 @@ double gw_gaze_filter_widening(const gw_gaze_filter *f, double late) {
     const double moving = f->speed * fmax(late, 0);
     return fmin(fmax(to_go, fmin(moving, LARGEST)), f->tuning.widening_limit);
 }
+
+uint32_t gw_gaze_filter_recent(const gw_gaze_filter *f, int64_t span, uint32_t most, uint32_t *places) {
+    const uint32_t kept = f->count < GW_GAZE_RING ? f->count : GW_GAZE_RING;
+    uint32_t count = 0;
+    if (!f->started || f->in_saccade)
+        return 0;
+    const uint32_t newest = (f->count - 1) % GW_GAZE_RING;
+    for (; count < kept && count < most; count++) {
+        const uint32_t i = (newest + GW_GAZE_RING - count) % GW_GAZE_RING;
+        if (f->ring[newest].time - f->ring[i].time >= span || (f->saccades && f->ring[i].time < f->ended))
+            break;
+    }
+    for (uint32_t k = 0; k < count; k++)
+        places[count - 1 - k] = (newest + GW_GAZE_RING - k) % GW_GAZE_RING;
+    return count;
+}

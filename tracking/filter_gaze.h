@@ -57,6 +57,10 @@ int gw_gaze_filter_take(gw_gaze_filter *filter, const double direction[3], int64
  * 30 degrees), and takes 21 ms and 2.2 ms a degree (R. H. S. Carpenter: Movements of the Eyes, 1988). */
 double gw_gaze_filter_widening(const gw_gaze_filter *filter, double late);
 
+/* Places in the ring of the newest directions, the oldest first: of the last `span` ns, since the last
+ * saccade ended, at most `most`. None in a saccade. How many. */
+uint32_t gw_gaze_filter_recent(const gw_gaze_filter *filter, int64_t span, uint32_t most, uint32_t *places);
+
 /* Degrees between two unit vectors. */
 double gw_degrees_between(const double a[3], const double b[3]);
 

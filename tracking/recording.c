@@ -19,10 +19,10 @@ static const int64_t TIME_LIMIT = (int64_t)2200000000 * 1000000000;
 static const int64_t LATENCY_LIMIT = 1000000000000;
 
 const char *const gw_log_type_names[GW_LOG_TYPES] = {
-    [GW_LOG_POSE] = GW_VRPN_TYPE_POSE,        [GW_LOG_BUTTON] = GW_VRPN_TYPE_BUTTON,
-    [GW_LOG_BUTTONS] = GW_VRPN_TYPE_BUTTONS,  [GW_LOG_ANALOGS] = GW_VRPN_TYPE_ANALOG,
-    [GW_LOG_TEXT] = GW_VRPN_TYPE_TEXT,        [GW_LOG_STAMP] = "gazewall Stamp",
-    [GW_LOG_GAZE] = "gazewall Gaze",          [GW_LOG_LINK] = "gazewall Link",
+    [GW_LOG_POSE] = GW_VRPN_TYPE_POSE,         [GW_LOG_BUTTON] = GW_VRPN_TYPE_BUTTON,
+    [GW_LOG_BUTTONS] = GW_VRPN_TYPE_BUTTONS,   [GW_LOG_ANALOGS] = GW_VRPN_TYPE_ANALOG,
+    [GW_LOG_TEXT] = GW_VRPN_TYPE_TEXT,         [GW_LOG_STAMP] = "gazewall Stamp",
+    [GW_LOG_GAZE] = "gazewall Gaze",           [GW_LOG_LINK] = "gazewall Link",
     [GW_LOG_UNTRACKED] = "gazewall Untracked", [GW_LOG_END] = "gazewall End"};
 
 const char *const gw_csv_columns[GW_CSV_COLUMNS] = {

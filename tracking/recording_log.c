@@ -224,7 +224,8 @@ static gw_code read_record(reader *reading, const record *r, gw_error *error) {
     const gw_log_type type = r->type >= 0 && r->type < GW_LOG_IDS ? reading->types[r->type] : GW_LOG_UNKNOWN;
     /* Without a stamp nothing is known but the record's time: it is the device's in VRPN's own logs. */
     stamp clocks = {.time = r->time, .device_time = r->time, .quality = 1.0};
-    const int is_event = type >= GW_LOG_POSE && type != GW_LOG_TEXT && type != GW_LOG_STAMP && type != GW_LOG_END;
+    const int is_event =
+        type >= GW_LOG_POSE && type != GW_LOG_TEXT && type != GW_LOG_STAMP && type != GW_LOG_END;
     if (reading->stamp.given && reading->stamp.sender == r->sender && is_event) {
         clocks = reading->stamp;
     } else if (reading->stamp.given) {
@@ -253,7 +254,8 @@ static gw_code read_record(reader *reading, const record *r, gw_error *error) {
     return GW_OK;
 }
 
-/* Looks at the next record: 1 when it is whole, 0 at the end that it should have; -1 and the damage when it is neither. */
+/* Looks at the next record: 1 when it is whole, 0 at the end that it should have; -1 and the damage when it
+ * is neither. */
 static int next_record(reader *reading, record *out) {
     gw_byte_stream *stream = reading->builder->stream;
     gw_recording_damage *damage = &reading->builder->recording->damage;

@@ -21,9 +21,9 @@ enum {
 /* Per sensor of poses (or viewer of gazes). */
 typedef struct gw_sensor_counters {
     uint64_t events;
-    uint64_t lost;       /* by sequence numbers or frame counters, where the protocol has them */
-    uint64_t jumps;      /* of those numbers by GW_SEQUENCE_JUMP and more, either way: a sender that began anew,
-                            a long silence, or a forged packet; how many were lost it cannot tell */
+    uint64_t lost;  /* by sequence numbers or frame counters, where the protocol has them */
+    uint64_t jumps; /* of those numbers by GW_SEQUENCE_JUMP and more, either way: a sender that began anew,
+                       a long silence, or a forged packet; how many were lost it cannot tell */
     uint64_t duplicated; /* with the time stamp and numbers of the one before; not passed on */
     uint64_t reordered;  /* older than the newest of that sensor by less than 1 s; not passed on. More is a
                             clock that was set, or a sender that began anew: it is followed. */

@@ -87,6 +87,15 @@ void gw_tracker_take(gw_tracker *tracker, int source, const gw_tracking_event *e
  * (ns, the clock of the arrivals). */
 void gw_tracker_at(const gw_tracker *tracker, int64_t now, int64_t presentation, gw_tracker_view *out);
 
+/* The newest gaze samples of a viewer, of the last 0.3 s at most and since the last saccade, as they came,
+ * each from where the eye was then; the oldest first. Of who has only a head, where that points. How many. */
+enum { GW_RECENT_GAZES = 64 };
+typedef struct gw_gaze_ray {
+    double from[3], direction[3]; /* mm; unit */
+} gw_gaze_ray;
+uint32_t gw_tracker_recent_gazes(const gw_tracker *tracker, uint32_t viewer, int64_t now,
+                                 gw_gaze_ray out[GW_RECENT_GAZES]);
+
 void gw_tracker_wand(const gw_tracker *tracker, gw_wand *out);
 
 /* Takes over where sources stand in the room (unit, axes, turn, shift) and how sensors sit on heads and how

@@ -5,7 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-static const double FARTHEST = 1e9; /* mm */
+static const double FARTHEST = 1e9;      /* mm */
+static const int64_t RECENT = 300000000; /* ns: a usual fixation */
 
 /* Of a gaze event, in wall space. Eyes turn back as the head turns on, so it is in the room that a gaze
  * rests, and there that it is filtered. 0: it cannot be told, and why is counted. */
@@ -63,6 +64,16 @@ static int is_usable(const double direction[3]) {
     return square > 1e-18 && square < 1e300;
 }
 
+/* Of the newest direction. */
+static void keep_eye(gw_tracker *tracker, uint32_t viewer) {
+    gw_gaze_channel *gaze = &tracker->gazes[viewer];
+    const gw_head_channel *head = &tracker->heads[viewer];
+    const double *eye = head->sensor.heard ? head->place.last
+                        : gaze->has_origin ? gaze->origin
+                                           : tracker->neutral_eye;
+    memcpy(gaze->eyes[(gaze->filter.count - 1) % GW_GAZE_RING], eye, sizeof gaze->eyes[0]);
+}
+
 void gw_gaze_take(gw_tracker *tracker, uint32_t viewer, const gw_tracking_event *event) {
     gw_gaze_channel *gaze = &tracker->gazes[viewer];
     const int is_event = event->kind == GW_EVENT_GAZE;
@@ -83,7 +94,8 @@ void gw_gaze_take(gw_tracker *tracker, uint32_t viewer, const gw_tracking_event 
     if (!gw_sample_is_new(tracker, clock, &gaze->order, event, numbers, &gaze->sensor, &time))
         return;
     const uint32_t saccades = gaze->filter.saccades;
-    gw_gaze_filter_take(&gaze->filter, direction, time);
+    if (gw_gaze_filter_take(&gaze->filter, direction, time))
+        keep_eye(tracker, viewer);
     tracker->counters.samples++;
     tracker->counters.saccades += gaze->filter.saccades - saccades;
     tracker->counters.losses +=
@@ -141,4 +153,26 @@ void gw_gaze_at(const gw_tracker *tracker, uint32_t viewer, int64_t now, int64_t
     look_as_told(tracker, gaze, now, presentation, out);
     const double told = gw_sensor_confidence(&gaze->sensor, now, tuning->hold_time, tuning->gaze_fade);
     out->confidence = fmin(seen, told) * gaze->quality;
+}
+
+uint32_t gw_tracker_recent_gazes(const gw_tracker *tracker, uint32_t viewer, int64_t now,
+                                 gw_gaze_ray out[GW_RECENT_GAZES]) {
+    _Static_assert((int)GW_RECENT_GAZES == (int)GW_FIXATION_SPOTS, "as many as a fixation takes");
+    const gw_gaze_channel *gaze = &tracker->gazes[viewer];
+    uint32_t places[GW_RECENT_GAZES];
+    if (viewer >= tracker->setup.viewer_count)
+        return 0;
+    if (tracker->setup.viewers[viewer].gaze == GW_GAZE_KIND_HEAD) {
+        gw_viewer_view view = {0};
+        gw_head_at(tracker, viewer, now, now, &view);
+        memcpy(out[0].from, view.eye, sizeof out[0].from);
+        gw_gaze_along(view.head, out[0].direction);
+        return (uint32_t)view.has_head;
+    }
+    const uint32_t count = gw_gaze_filter_recent(&gaze->filter, RECENT, GW_RECENT_GAZES, places);
+    for (uint32_t i = 0; i < count; i++) {
+        memcpy(out[i].from, gaze->eyes[places[i]], sizeof out[i].from);
+        memcpy(out[i].direction, gaze->filter.ring[places[i]].direction, sizeof out[i].direction);
+    }
+    return count;
 }

@@ -87,6 +87,7 @@ typedef struct gw_gaze_channel {
     gw_sample_order order;
     gw_sensor_state sensor;
     gw_gaze_filter filter;
+    double eyes[GW_GAZE_RING][3]; /* mm: where the eye was, for each direction in the filter's ring */
     int has_origin;
     double origin[3]; /* mm */
     int64_t on_its_way;

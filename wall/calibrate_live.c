@@ -3,6 +3,7 @@
 #include "base/clock.h"
 #include "tracking/gaze_model.h"
 #include "tracking/reader.h"
+#include "wall/fixations.h"
 
 #include <poll.h>
 #include <string.h>
@@ -206,26 +207,13 @@ static gw_code find_target(const gw_layout *layout, int index, double pixel[2], 
     return gw_layout_point(layout, pixel, out, error);
 }
 
-static uint32_t rectangles_of(const gw_layout *layout, gw_wall_rectangle out[GW_MAXIMUM_TILES]) {
-    for (uint32_t t = 0; t < layout->tile_count; t++) {
-        double corners[4][3];
-        gw_tile_corners(&layout->tiles[t], corners);
-        for (int i = 0; i < 3; i++) {
-            out[t].corner[i] = corners[0][i];
-            out[t].across[i] = corners[1][i] - corners[0][i];
-            out[t].down[i] = corners[2][i] - corners[0][i];
-        }
-    }
-    return layout->tile_count;
-}
-
 /* Whether a viewer's gazes from `first` on rest, as far as they meet the wall; tells how surely. */
 static int rests(const live *l, const gw_layout *layout, const gw_gazes *gazes, uint32_t viewer,
                  size_t first) {
     static gw_wall_rectangle walls[GW_MAXIMUM_TILES];
     gw_gaze_spot spots[GW_FIXATION_SPOTS];
     gw_fixation found;
-    const uint32_t tiles = rectangles_of(layout, walls);
+    const uint32_t tiles = gw_layout_rectangles(layout, walls);
     size_t count = gazes->count[viewer] - first,
            from = count > GW_FIXATION_SPOTS ? count - GW_FIXATION_SPOTS : 0;
     if (count == 0)

@@ -29,13 +29,14 @@ enum { GW_USUAL_FRAMES = 16 };
 
 typedef struct gw_conductor {
     json_t *report;
-    gw_tracked *tracked;  /* NULL with recorded states, or a gaze from the command line */
-    gw_states recorded;   /* of --states */
-    double stare[3];      /* mm, for --gaze */
-    gw_camera_path path;  /* of --path; keys owned; no keys: the scene stands as it is placed */
-    uint32_t frame_count; /* GW_ENDLESS: until the run is ended */
-    uint32_t kept;        /* so many states and times are kept: all, or the last of a run without an end */
-    int64_t started;      /* ns; the time of frame 0 when frames follow the clock, or 0: they do not */
+    gw_tracked *tracked;    /* NULL with recorded states, or a gaze from the command line */
+    gw_states recorded;     /* of --states */
+    gw_fixations fixations; /* of the newest frame; all 0: nobody's is known */
+    double stare[3];        /* mm, for --gaze */
+    gw_camera_path path;    /* of --path; keys owned; no keys: the scene stands as it is placed */
+    uint32_t frame_count;   /* GW_ENDLESS: until the run is ended */
+    uint32_t kept;          /* so many states and times are kept: all, or the last of a run without an end */
+    int64_t started;        /* ns; the time of frame 0 when frames follow the clock, or 0: they do not */
     int64_t first_time, step;            /* ns, of the track's clock */
     int scene_moves;                     /* it is animated, so every frame's time is a view of its own */
     gw_frame_state *states;              /* [kept], as sent; frame N at N modulo kept */

@@ -53,8 +53,15 @@ gw_code gw_conductor_open_rows(gw_conductor *conductor, const char *folder, gw_e
             "gaze_confidence,tau,tau_inside,epoch,accumulate,strain,exposure,gaze_margin,acuity_slope,sample_"
             "block,"
             "error_worst,error_mean,rays,frame_ms,slowest_tile_ms,age_ms,filter_ms,wait_ms,trace_ms,gate_ms,"
-            "scan_out_ms,latency_ms,predicted_ms,late_tiles,skipped_tiles,lost_tiles\n",
+            "scan_out_ms,latency_ms,predicted_ms,",
             conductor->rows);
+    for (int v = 0; v < GW_TRACK_VIEWERS && !code; v++)
+        fprintf(conductor->rows,
+                "fixation%d_x_mm,fixation%d_y_mm,fixation%d_z_mm,fixation%d_wide_deg,fixation%d_narrow_deg,"
+                "fixation%d_rests,",
+                v, v, v, v, v, v);
+    if (!code)
+        fputs("late_tiles,skipped_tiles,lost_tiles\n", conductor->rows);
     return code;
 }
 
@@ -107,6 +114,18 @@ static void write_latency(FILE *rows, const gw_latency *latency) {
     fprintf(rows, "%.3f,%.3f,", gw_latency_total(latency), (double)latency->predicted);
 }
 
+/* Empty cells of viewers whose gaze is not known or beside the wall. */
+static void write_fixations(FILE *rows, const gw_fixations *fixations) {
+    for (int v = 0; v < GW_TRACK_VIEWERS; v++) {
+        const gw_viewer_fixation *f = &fixations->viewers[v];
+        if (f->known)
+            fprintf(rows, "%.2f,%.2f,%.2f,%.3f,%.3f,%d,", f->point[0], f->point[1], f->point[2],
+                    f->half_angles[0], f->half_angles[1], f->rests);
+        else
+            fputs(",,,,,,", rows);
+    }
+}
+
 void gw_conductor_write_row(gw_conductor *conductor, uint32_t frame, const gw_counters *sum, double presented,
                             double slowest) {
     const gw_frame_state *s = &conductor->states[gw_kept(conductor, frame)],
@@ -123,6 +142,7 @@ void gw_conductor_write_row(gw_conductor *conductor, uint32_t frame, const gw_co
             gw_predicted_error_mean(&conductor->seen), sum->rays,
             conductor->milliseconds[gw_kept(conductor, frame)], slowest);
     write_latency(conductor->rows, &conductor->latencies[gw_kept(conductor, frame)]);
+    write_fixations(conductor->rows, &conductor->fixations);
     fprintf(conductor->rows, "%" PRIu32 ",%" PRIu32 ",%" PRIu32 "\n", conductor->missed[GW_MISSED_LATE],
             conductor->missed[GW_MISSED_SKIPPED], conductor->missed[GW_MISSED_LOST]);
     fflush(conductor->rows);

@@ -149,7 +149,7 @@ static int64_t lead_of(const gw_conductor *conductor, uint32_t frame) {
 }
 
 /* Eyes and gaze: those of the trackers, of the command line, or of the pilot. */
-static void look(const gw_conductor *conductor, const struct gw_rank *rank, uint32_t frame, int64_t time,
+static void look(gw_conductor *conductor, const struct gw_rank *rank, uint32_t frame, int64_t time,
                  gw_frame_state *state) {
     const gw_settings *settings = &rank->options.draw.settings;
     const gw_site *site = &rank->site;
@@ -159,7 +159,7 @@ static void look(const gw_conductor *conductor, const struct gw_rank *rank, uint
     const gw_tracker_view *view = NULL;
     gw_latency *latency = &conductor->latencies[gw_kept(conductor, frame)];
     if (gaze == GW_PILOT_GAZE_GIVEN && conductor->tracked)
-        view = gw_tracked_look(conductor->tracked, time, lead_of(conductor, frame), site->layout.eye);
+        view = gw_tracked_look(conductor->tracked, time, lead_of(conductor, frame), &site->layout);
     if (gaze == GW_PILOT_GAZE_POINTER)
         target = pointed;
     else if (gaze == GW_PILOT_GAZE_GIVEN && rank->options.gaze == GW_GAZE_AT_PIXEL)
@@ -172,6 +172,8 @@ static void look(const gw_conductor *conductor, const struct gw_rank *rank, uint
     } else {
         gw_frame_stare(state, site->layout.eye, target, settings);
     }
+    conductor->fixations =
+        view ? *gw_tracked_fixations(conductor->tracked) : (gw_fixations){.viewers = {{0}}};
     *latency = view ? gw_latency_of(&view->viewers[0]) : (gw_latency){0};
     state->time = time;
     if (gw_site_is_stereo(site))

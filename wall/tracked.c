@@ -22,6 +22,7 @@ struct gw_tracked {
     const gw_log *log;
     int suspected[GW_TRACKER_SOURCES]; /* a unit that cannot be was told */
     gw_tracker_view view;
+    gw_fixations fixations;
 };
 
 /* 1 when the text names a source of live events and no file of that name is there. */
@@ -172,17 +173,21 @@ static void tell_suspicions(gw_tracked *tracked) {
 }
 
 const gw_tracker_view *gw_tracked_look(gw_tracked *tracked, int64_t time, int64_t lead,
-                                       const double neutral_eye[3]) {
-    gw_tracker_set_neutral(tracked->tracker, neutral_eye);
-    if (tracked->live) {
-        const int64_t now = gw_tracked_live_feed(tracked->live, tracked->tracker);
-        gw_tracker_at(tracked->tracker, now, now + lead, &tracked->view);
-    } else {
+                                       const gw_layout *layout) {
+    int64_t now = time;
+    gw_tracker_set_neutral(tracked->tracker, layout->eye);
+    if (tracked->live)
+        now = gw_tracked_live_feed(tracked->live, tracked->tracker);
+    else
         gw_player_feed(tracked->player, tracked->tracker, time);
-        gw_tracker_at(tracked->tracker, time, time, &tracked->view);
-    }
+    gw_tracker_at(tracked->tracker, now, tracked->live ? now + lead : now, &tracked->view);
+    gw_fixations_find(tracked->tracker, &tracked->view, now, layout, &tracked->fixations);
     tell_suspicions(tracked);
     return &tracked->view;
+}
+
+const gw_fixations *gw_tracked_fixations(const gw_tracked *tracked) {
+    return &tracked->fixations;
 }
 
 void gw_tracked_wand(const gw_tracked *tracked, gw_wand *out) {
@@ -195,15 +200,24 @@ static json_t *count(uint64_t value) {
     return json_integer((json_int_t)value);
 }
 
+/* null where nobody knows. */
+static json_t *fixation_of(const gw_viewer_fixation *f) {
+    return f->known ? json_pack("{s:[f, f, f], s:[f, f], s:b, s:i}", "point_mm", f->point[0], f->point[1],
+                                f->point[2], "half_angles_deg", f->half_angles[0], f->half_angles[1], "rests",
+                                f->rests, "samples", (int)f->samples)
+                    : json_null();
+}
+
 static json_t *viewers_of(const gw_tracked *tracked) {
     json_t *list = json_array();
     for (uint32_t i = 0; i < tracked->setup.viewer_count && i < GW_TRACK_VIEWERS; i++) {
         const gw_viewer_view *viewer = &tracked->view.viewers[i];
         if (viewer->has_head || viewer->has_gaze || i == 0)
-            json_array_append_new(list, json_pack("{s:i, s:s, s:s, s:f, s:f}", "viewer", (int)i, "head",
+            json_array_append_new(list, json_pack("{s:i, s:s, s:s, s:f, s:f, s:o}", "viewer", (int)i, "head",
                                                   gw_sensor_phase_names[viewer->head_state], "gaze",
                                                   gw_sensor_phase_names[viewer->gaze_state], "quality",
-                                                  viewer->quality, "confidence", viewer->confidence));
+                                                  viewer->quality, "confidence", viewer->confidence,
+                                                  "fixation", fixation_of(&tracked->fixations.viewers[i])));
     }
     return list;
 }

@@ -7,6 +7,7 @@
 #include "base/log.h"
 #include "base/status.h"
 #include "tracking/tracker.h"
+#include "wall/fixations.h"
 #include "wall/site.h"
 
 #include <jansson.h>
@@ -31,10 +32,12 @@ int64_t gw_tracked_duration(const gw_tracked *tracked);
 int gw_tracked_is_live(const gw_tracked *tracked);
 
 /* Everybody for a frame: of a recording at `time` (ns since its beginning), which then is also when it is
- * seen; of live sources now, for a frame that is seen `lead` ns later. The pointer holds until the next call.
- */
+ * seen; of live sources now, for a frame that is seen `lead` ns later. Who is not tracked is where the layout
+ * has its eye. The pointer holds until the next call. */
 const gw_tracker_view *gw_tracked_look(gw_tracked *tracked, int64_t time, int64_t lead,
-                                       const double neutral_eye[3]);
+                                       const gw_layout *layout);
+/* Where on that wall they look, as of the last look. */
+const gw_fixations *gw_tracked_fixations(const gw_tracked *tracked);
 
 /* What the device that navigates asks for, as of the last look. */
 void gw_tracked_wand(const gw_tracked *tracked, gw_wand *out);

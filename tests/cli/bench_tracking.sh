@@ -7,8 +7,10 @@ exists "its rows" "$folder/bench/tracking.csv"
 is "prediction, filters and saccades do what they are for" "$(python3 - "$folder/bench/tracking.json" <<'P'
 import json, sys
 bench = json.load(open(sys.argv[1]))["bench"]
-head = [r for r in bench["rows"] if r["table"] == "head"]
-gaze = [r for r in bench["rows"] if r["table"] == "gaze"]
+shipped = [r for r in bench["rows"] if r["track"]]
+head = [r for r in bench["rows"] if r["table"] == "head" and not r["track"]]
+gaze = [r for r in bench["rows"] if r["table"] == "gaze" and not r["track"]]
+of = lambda track, name: next(r for r in shipped if r["track"] == track and r["filter"] == name)
 one = [r for r in head if r["filter"] == "head_filter=one-euro"]
 none = {(r["rate_hz"], r["noise"]): r for r in head if r["filter"] == "head_filter=none"}
 print(len(head), len(gaze),
@@ -16,8 +18,13 @@ print(len(head), len(gaze),
       all(r["jitter_mm"] < none[r["rate_hz"], r["noise"]]["jitter_mm"] / 2 and r["lag_ms"] > 1 for r in one),
       all(r["saccades_missed"] <= 1 and r["saccades_false"] <= 1 for r in gaze
           if r["noise"] < 0.3 and "saccade_speed" not in r["filter"]),
+      all(r["saccades_missed"] <= 2 for r in gaze if "saccade_speed" not in r["filter"]),
+      len(shipped), of("walking", "head_filter=none")["predicted_error_mm"] < of("walking", "head_filter=none")["error_mm"] / 3,
+      5 < of("walking", "head_filter=none")["lag_ms"] < 8, # the line's, which every packet takes
+      of("standing", "head_filter=one-euro")["jitter_mm"] < of("standing", "head_filter=none")["jitter_mm"] / 2,
+      of("saccades", "gaze_filter=one-euro")["saccades_missed"] + of("saccades", "gaze_filter=one-euro")["saccades_false"] == 0,
       all(0 < v < 5 for v in bench["cost_us"].values()))
 P
-)" "24 16 True True True True"
+)" "24 16 True True True True 30 True True True True True"
 expect "it takes no scene" 2 "leave --scene out" bench tracking --scene a.obj
 finish

@@ -39,7 +39,24 @@ t = json.load(open('whole.json'))['tracking']
 print(t['state'], t['viewers'][0]['head'] in ('fresh', 'held', 'lost', 'returned'), t['tracker']['samples'] > 100)")" "recording True True"
 
 # --- 50 ms more are 50 ms more
-sim early --track "$tracks/walking.vrpn.gz" --frames 24 --step 0.1 --time 1
+sim early --track "$tracks/walking.vrpn.gz" --frames 24 --step 0.1 --time 1 --out early
+is "frames.csv and report tell where on the wall the viewer looks, and how surely" "$(python3 - <<'P'
+import csv, json
+rows = list(csv.DictReader(open("early/frames.csv")))
+last = json.load(open("early.json"))["tracking"]["viewers"][0]["fixation"]
+known = [r for r in rows if r["fixation0_x_mm"]]
+off = []
+for r in known:
+    eye, gaze = [[float(r[k]) for k in keys] for keys in (("eye_x_mm", "eye_y_mm", "eye_z_mm"), ("gaze_x", "gaze_y", "gaze_z"))]
+    meets = [eye[i] - gaze[i] * eye[2] / gaze[2] for i in range(2)]
+    off.append(max(abs(meets[i] - float(r["fixation0_" + "xy"[i] + "_mm"])) for i in range(2)))
+wide = [float(r["fixation0_wide_deg"]) for r in known]
+rests = [o for o, r in zip(off, known) if r["fixation0_rests"] == "1"]
+print(len(known) > 16, len(rests) > 12, max(rests) < 60, min(wide) >= 3, max(abs(float(r["fixation0_z_mm"])) for r in known) < 0.01,
+      all(not r["fixation1_x_mm"] for r in rows),
+      (last is None) == (not rows[-1]["fixation0_x_mm"]) and (last is None or abs(last["point_mm"][0] - float(rows[-1]["fixation0_x_mm"])) < 0.01))
+P
+)" "True True True True True True True"
 sim delayed --track "$tracks/walking.vrpn.gz" --frames 24 --step 0.1 --time 1 --set added_latency=0.05
 is "injected 50 ms show as 50 +- 2" "$(python3 -c "
 early, late = [$(median early age) + $(median early wait) + $(median early filter), $(median delayed age) + $(median delayed wait) + $(median delayed filter)]

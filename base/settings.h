@@ -154,10 +154,12 @@
            "0 (none is looked for)", "a gaze that moves as fast is a saccade, until it is half as fast")                 \
     GW_ROW(saccade_growth_limit, REAL, 15.0, 0.0, 90.0, "", TRACK, "deg", "late gazes in saccades against cost", "90",        \
            "most that a saccade that goes on adds to each half-angle of the ellipsoid")                                  \
+    GW_ROW(gaze_prediction, SWITCH, 0, 0, 1, "", TRACK, "", "late gazes in pursuit against gazes that overshoot", "off",     \
+           "gazes that follow something are predicted to when the frame is seen; never in a saccade")                    \
     GW_ROW(prediction, SWITCH, 1, 0, 1, "", TRACK, "", "late eyes against eyes that overshoot", "off",                     \
            "heads are predicted, at their speed and turn, to when the frame is seen")                                    \
     GW_ROW(prediction_limit, REAL, 0.1, 0.0, 0.5, "", TRACK, "s", "late eyes against eyes that overshoot", "0",            \
-           "longest time by which heads are predicted, and never beyond hold_time")                                      \
+           "longest time by which heads and gazes are predicted, and never beyond hold_time")                                      \
     GW_ROW(hold_time, REAL, 0.1, 0.02, 10.0, "", TRACK, "s", "an eye that stands against one that leaves", "10",           \
            "a sensor that is silent longer than this, and than 3 of its periods, is lost")                               \
     GW_ROW(glide_speed, REAL, 1.0, 0.05, 1.2, "", TRACK, "m/s", "a wrong eye against one that moves by itself", "1.2",     \

@@ -279,6 +279,16 @@ double gw_gaze_filter_widening(const gw_gaze_filter *f, double late) {
     return fmin(fmax(to_go, fmin(moving, LARGEST)), f->tuning.widening_limit);
 }
 
+void gw_gaze_filter_predict(const gw_gaze_filter *f, double seconds, double out[3]) {
+    memcpy(out, f->at, sizeof f->at);
+    if (f->in_saccade || seconds <= 0)
+        return;
+    for (int i = 0; i < 3; i++)
+        out[i] += seconds * f->drift[i];
+    if (!make_unit(out))
+        memcpy(out, f->at, sizeof f->at);
+}
+
 uint32_t gw_gaze_filter_recent(const gw_gaze_filter *f, int64_t span, uint32_t most, uint32_t *places) {
     const uint32_t kept = f->count < GW_GAZE_RING ? f->count : GW_GAZE_RING;
     uint32_t count = 0;

@@ -57,6 +57,12 @@ int gw_gaze_filter_take(gw_gaze_filter *filter, const double direction[3], int64
  * 30 degrees), and takes 21 ms and 2.2 ms a degree (R. H. S. Carpenter: Movements of the Eyes, 1988). */
 double gw_gaze_filter_widening(const gw_gaze_filter *filter, double late);
 
+/* Where the gaze is so many seconds later if it goes on as it does between saccades: pursuit is smooth and
+ * lasts, where a saccade leads cannot be known (P. Lebedev and others as above; C. H. Meyer, A. G. Lasker, D.
+ * A. Robinson: The upper limit of human smooth pursuit velocity, 1985). In a saccade, where it is. A unit
+ * vector. */
+void gw_gaze_filter_predict(const gw_gaze_filter *filter, double seconds, double out[3]);
+
 /* Places in the ring of the newest directions, the oldest first: of the last `span` ns, since the last
  * saccade ended, at most `most`. None in a saccade. How many. */
 uint32_t gw_gaze_filter_recent(const gw_gaze_filter *filter, int64_t span, uint32_t most, uint32_t *places);

@@ -25,6 +25,7 @@ static gw_tracker_tuning tuning_of(const gw_settings *s) {
                                         s->saccade_speed,
                                         s->saccade_growth_limit},
                                .predicts = s->prediction,
+                               .predicts_gaze = s->gaze_prediction,
                                .prediction_limit = limit,
                                .hold_time = (int64_t)(s->hold_time * 1e9),
                                .gaze_fade = (int64_t)(s->gaze_fade * 1e9),

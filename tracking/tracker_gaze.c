@@ -122,10 +122,12 @@ static void look_as_told(const gw_tracker *tracker, const gw_gaze_channel *gaze,
     if (!gaze->sensor.heard)
         return;
     out->has_gaze = 1;
-    memcpy(out->gaze_direction, gaze->filter.at, sizeof out->gaze_direction);
+    out->gaze_age = gw_not_below_0(presentation - gaze->sensor.time);
+    const double ahead =
+        fmin(1e-9 * (double)out->gaze_age + gaze->filter.delay, tracker->tuning.prediction_limit);
+    gw_gaze_filter_predict(&gaze->filter, tracker->tuning.predicts_gaze ? ahead : 0, out->gaze_direction);
     if (gaze->has_origin && !out->has_head)
         memcpy(out->gaze_origin, gaze->origin, sizeof out->gaze_origin);
-    out->gaze_age = gw_not_below_0(presentation - gaze->sensor.time);
     out->gaze_arrival = gaze->on_its_way;
     out->gaze_wait = gw_not_below_0(now - gaze->sensor.arrival);
     out->gaze_delay = (int64_t)(gaze->filter.delay * 1e9);

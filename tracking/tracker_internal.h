@@ -19,7 +19,7 @@ typedef struct gw_tracker_tuning {
     gw_position_tuning place;
     gw_turn_tuning turn;
     gw_gaze_tuning gaze;
-    int predicts;
+    int predicts, predicts_gaze;
     double prediction_limit; /* s, not beyond the hold time */
     int64_t hold_time, gaze_fade;
     double glide_speed; /* mm/s */

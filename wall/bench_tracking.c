@@ -16,7 +16,7 @@
 static const double SETTLED = 0.5; /* s that a filter has to begin with */
 
 const char *const gw_tracking_head_figures[GW_TRACKING_FIGURES] = {
-    "lag_ms", "told_ms", "jitter_mm", "error_mm", "predicted_error_mm", "predicted_jitter_mm"};
+    "lag_ms", "told_ms", "jitter_mm", "error_mm", "predicted_error_mm", "predicted_jitter_mm", NULL};
 
 const char *const gw_tracking_head_filters[GW_TRACKING_HEAD_FILTERS] = {
     "head_filter=none",
@@ -253,12 +253,12 @@ static void print_rows(const gw_tracking_row *rows, uint32_t count, const double
             printf("%s, %s%s%g Hz, noise %g %s\n  %-62s", rows[i].table, rows[i].track,
                    rows[i].track[0] ? ", " : "", rows[i].rate, rows[i].noise,
                    names == gw_tracking_head_figures ? "mm" : "degrees", "");
-            for (int k = 0; k < GW_TRACKING_FIGURES; k++)
+            for (int k = 0; k < GW_TRACKING_FIGURES && names[k]; k++)
                 printf(" %s", names[k]);
             putchar('\n');
         }
         printf("  %-62s", rows[i].filter);
-        for (int k = 0; k < GW_TRACKING_FIGURES; k++)
+        for (int k = 0; k < GW_TRACKING_FIGURES && names[k]; k++)
             printf(" %*.2f", (int)strlen(names[k]), rows[i].figures[k]);
         putchar('\n');
     }
@@ -272,7 +272,7 @@ static void report_rows(gw_bench *bench, const gw_tracking_row *rows, uint32_t c
         json_t *object =
             json_pack("{s:s, s:s, s:s, s:f, s:f}", "table", rows[i].table, "track", rows[i].track, "filter",
                       rows[i].filter, "rate_hz", rows[i].rate, "noise", rows[i].noise);
-        for (int k = 0; k < GW_TRACKING_FIGURES; k++)
+        for (int k = 0; k < GW_TRACKING_FIGURES && figures_of(&rows[i])[k]; k++)
             json_object_set_new(object, figures_of(&rows[i])[k], json_real(rows[i].figures[k]));
         json_array_append_new(list, object);
     }
@@ -291,7 +291,7 @@ static gw_code write_rows(const gw_bench *bench, const gw_tracking_row *rows, ui
         return gw_fail(error, GW_MACHINE, "memory is out while writing results");
     fputs("table,track,filter,rate_hz,noise,figure,value\n", stream);
     for (uint32_t i = 0; i < count; i++)
-        for (int k = 0; k < GW_TRACKING_FIGURES; k++)
+        for (int k = 0; k < GW_TRACKING_FIGURES && figures_of(&rows[i])[k]; k++)
             fprintf(stream, "%s,%s,%s,%g,%g,%s,%.6g\n", rows[i].table, rows[i].track, rows[i].filter,
                     rows[i].rate, rows[i].noise, figures_of(&rows[i])[k], rows[i].figures[k]);
     fclose(stream);

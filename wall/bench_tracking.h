@@ -11,9 +11,9 @@
 enum {
     GW_TRACKING_GRID = 1000,
     GW_TRACKING_ROWS = 96,
-    GW_TRACKING_FIGURES = 6,
+    GW_TRACKING_FIGURES = 7, /* at most: a table without that many has no name for the rest */
     GW_TRACKING_HEAD_FILTERS = 6,
-    GW_TRACKING_GAZE_FILTERS = 4,
+    GW_TRACKING_GAZE_FILTERS = 5,
     GW_TRACKING_SACCADES = 256
 };
 

@@ -10,13 +10,15 @@
 #include <string.h>
 
 const char *const gw_tracking_gaze_figures[GW_TRACKING_FIGURES] = {
-    "lag_ms", "told_ms", "jitter_deg", "after_saccade_deg", "saccades_missed", "saccades_false"};
+    "lag_ms",          "told_ms",        "jitter_deg",     "after_saccade_deg",
+    "saccades_missed", "saccades_false", "ahead_error_deg"};
 
 const char *const gw_tracking_gaze_filters[GW_TRACKING_GAZE_FILTERS] = {
     "gaze_filter=none",
     "gaze_filter=one-euro",
     "gaze_filter=one-euro gaze_cutoff=1 gaze_cutoff_growth=0.02",
     "gaze_filter=one-euro saccade_speed=0",
+    "gaze_filter=none gaze_prediction=on",
 };
 
 typedef struct eyes {
@@ -54,7 +56,7 @@ double gw_tracking_since_saccade(const gw_person *person, double time) {
 }
 
 typedef struct result {
-    double lag, told, error, after;
+    double lag, told, error, after, ahead;
     double missed, wrong; /* saccades that were made and not found; found and not made */
 } result;
 
@@ -131,6 +133,10 @@ static gw_code watch(const eyes *e, double seconds, const gw_tracking_row *row, 
         gw_tracking_note(&e->person, times[i], 0.02 + 1 / row->rate, gw_tracker_count(tracker)->saccades, &f);
         sum += off * off;
         out->told += 1e-9 * (double)view.viewers[0].gaze_delay;
+        gw_tracker_at(tracker, event.arrival, event.arrival + llrint(1e9 * GW_TRACKING_LEAD), &view);
+        look(e, times[i] + GW_TRACKING_LEAD, truth);
+        const double ahead = gw_degrees_between(view.viewers[0].gaze_direction, truth);
+        out->ahead += ahead * ahead;
         if (since > 1 / row->rate && since < 0.1) {
             after += off * off;
             landed++;
@@ -140,6 +146,7 @@ static gw_code watch(const eyes *e, double seconds, const gw_tracking_row *row, 
         out->lag = gw_tracking_lag(&path, times, seen, count);
         out->told /= (double)count;
         out->error = sqrt(sum / (double)count);
+        out->ahead = sqrt(out->ahead / (double)count);
         out->after = sqrt(after / (double)(landed ? landed : 1));
         out->missed = gw_tracking_missed(&e->person, seconds, &f);
         out->wrong = f.wrong;
@@ -162,7 +169,8 @@ static gw_code measure(const eyes *pursuing, const eyes *jumping, const eyes *re
     if (code)
         return code;
     const double figures[GW_TRACKING_FIGURES] = {1e3 * pursuit.lag, 1e3 * pursuit.told, rest.error,
-                                                 jumps.after,       jumps.missed,       jumps.wrong};
+                                                 jumps.after,       jumps.missed,       jumps.wrong,
+                                                 pursuit.ahead};
     memcpy(row->figures, figures, sizeof figures);
     return GW_OK;
 }

@@ -202,8 +202,10 @@ static double after_saccades(const subject *s, const seen *w) {
 
 static gw_code measure_gaze(const subject *s, gw_tracking_row *row, gw_error *error) {
     const double degrees = 57.29577951308232;
-    seen w = {0};
+    seen w = {0}, ahead = {0};
     gw_code code = watch(s, row->filter, 1, 0, &w, error);
+    if (!code)
+        code = watch(s, row->filter, 1, GW_TRACKING_LEAD, &ahead, error);
     if (!code) {
         row->figures[0] = 1e3 * gw_tracking_lag(&s->path, w.times, w.at, w.count);
         row->figures[1] = 1e3 * w.told;
@@ -211,8 +213,10 @@ static gw_code measure_gaze(const subject *s, gw_tracking_row *row, gw_error *er
         row->figures[3] = after_saccades(s, &w);
         row->figures[4] = gw_tracking_missed(&s->person, s->seconds, &w.findings);
         row->figures[5] = w.findings.wrong;
+        row->figures[6] = degrees * error_of(s, &ahead, GW_TRACKING_LEAD);
     }
     finish_seen(&w);
+    finish_seen(&ahead);
     return code;
 }
 

@@ -23,8 +23,9 @@ print(len(head), len(gaze),
       5 < of("walking", "head_filter=none")["lag_ms"] < 8, # the line's, which every packet takes
       of("standing", "head_filter=one-euro")["jitter_mm"] < of("standing", "head_filter=none")["jitter_mm"] / 2,
       of("saccades", "gaze_filter=one-euro")["saccades_missed"] + of("saccades", "gaze_filter=one-euro")["saccades_false"] == 0,
+      of("pursuit", "gaze_filter=none gaze_prediction=on")["ahead_error_deg"] < 0.6 * of("pursuit", "gaze_filter=none")["ahead_error_deg"],
       all(0 < v < 5 for v in bench["cost_us"].values()))
 P
-)" "24 16 True True True True 30 True True True True True"
+)" "24 20 True True True True 33 True True True True True True"
 expect "it takes no scene" 2 "leave --scene out" bench tracking --scene a.obj
 finish

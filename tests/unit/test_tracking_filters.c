@@ -420,6 +420,40 @@ static void saccades_are_found_in_noise(void **state) {
     }
 }
 
+/* What follows something goes on; a rest stays, and nobody knows where a saccade ends. */
+static void pursuit_is_predicted(void **state) {
+    (void)state;
+    const double speed = 20, ahead = 0.05;
+    const gw_gaze_tuning tuning = {0, {2, 0.02}, 70, 30};
+    uint64_t seed = 3;
+    gw_gaze_filter rest, pursuit;
+    gw_gaze_filter_begin(&rest, &tuning);
+    gw_gaze_filter_begin(&pursuit, &tuning);
+    double worst_rest = 0, worst = 0, worst_as_it_is = 0;
+    for (int i = 0; i < 480; i++) {
+        const double time = i / 240.0;
+        double d[3], there[3];
+        direction(0, 0.1, &seed, d);
+        gw_gaze_filter_take(&rest, d, (int64_t)(time * 1e9));
+        direction(-20 + speed * time, 0.1, &seed, d);
+        gw_gaze_filter_take(&pursuit, d, (int64_t)(time * 1e9));
+        if (time < 1)
+            continue;
+        gw_gaze_filter_predict(&rest, ahead, there);
+        worst_rest = fmax(worst_rest, gw_degrees_between(there, rest.at));
+        gw_gaze_filter_predict(&pursuit, ahead, there);
+        direction(-20 + speed * (time + ahead), 0, &seed, d);
+        worst = fmax(worst, gw_degrees_between(there, d));
+        worst_as_it_is = fmax(worst_as_it_is, gw_degrees_between(pursuit.at, d));
+    }
+    assert_true(worst < 0.5 && worst_as_it_is > 1.1 && worst_rest < 0.15);
+    double d[3], there[3];
+    direction(40, 0, &seed, d);
+    gw_gaze_filter_take(&pursuit, d, 2000000000);
+    gw_gaze_filter_predict(&pursuit, ahead, there);
+    assert_true(pursuit.in_saccade && gw_degrees_between(there, pursuit.at) == 0);
+}
+
 static void blinks_start_anew(void **state) {
     (void)state;
     const gw_gaze_tuning tuning = {1, {1, 0}, 70, 30};
@@ -447,6 +481,7 @@ int main(void) {
         cmocka_unit_test(fixations_and_pursuit_are_no_saccades),
         cmocka_unit_test(noise_is_no_saccade),
         cmocka_unit_test(saccades_are_found_in_noise),
+        cmocka_unit_test(pursuit_is_predicted),
         cmocka_unit_test(blinks_start_anew),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -228,9 +228,9 @@ static void print_source(recorder *r, int source) {
            " jumps of their numbers, %" PRIu64 " duplicated, %" PRIu64 " reordered, %" PRIu64
            " malformed, %" PRIu64 " not finite, %" PRIu64 " unknown, %" PRIu64
            " too many at once; reached %" PRIu64 " times\n",
-           r->names[source], r->wishes->sources[source], c.events, c.packets, sum.lost, sum.jumps, sum.duplicated,
-           sum.reordered, c.malformed, c.not_finite, c.unknown, gw_reader_dropped(r->reader, source),
-           c.connections);
+           r->names[source], r->wishes->sources[source], c.events, c.packets, sum.lost, sum.jumps,
+           sum.duplicated, sum.reordered, c.malformed, c.not_finite, c.unknown,
+           gw_reader_dropped(r->reader, source), c.connections);
 }
 
 static void print_summary(recorder *r) {

@@ -94,12 +94,13 @@ json_t *gw_tracked_live_json(gw_tracked_live *live) {
         gw_reader_count(live->reader, (int)i, c, NULL);
         const gw_sensor_counters sum = gw_source_sum(c);
         json_array_append_new(
-            list, json_pack("{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "source",
-                            live->setup.sources[i].spec, "bytes", count(c->bytes), "packets",
+            list, json_pack("{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}",
+                            "source", live->setup.sources[i].spec, "bytes", count(c->bytes), "packets",
                             count(c->packets), "events", count(c->events), "malformed", count(c->malformed),
                             "not_finite", count(c->not_finite), "unknown", count(c->unknown), "connections",
-                            count(c->connections), "losses", count(c->losses), "lost", count(sum.lost), "jumps", count(sum.jumps),
-                            "duplicated", count(sum.duplicated), "reordered", count(sum.reordered), "dropped",
+                            count(c->connections), "losses", count(c->losses), "lost", count(sum.lost),
+                            "jumps", count(sum.jumps), "duplicated", count(sum.duplicated), "reordered",
+                            count(sum.reordered), "dropped",
                             count(gw_reader_dropped(live->reader, (int)i) + (i ? 0 : live->dropped))));
     }
     free(c);

@@ -296,10 +296,10 @@ gw_code gw_window_create(const gw_window_options *options, gw_window **out, gw_e
         gw_window_destroy(&window);
         return code;
     }
-    gw_log_write(window->log, GW_LOG_DEBUG, "%s: %" PRIu32 "x%" PRIu32 " px%s%s", options->title,
-                 options->size[0], options->size[1],
+    gw_log_write(window->log, GW_LOG_DEBUG, "%s: %" PRIu32 "x%" PRIu32 " px%s%s, swap interval %d",
+                 options->title, options->size[0], options->size[1],
                  options->monitor && *options->monitor ? ", full-screen on " : "",
-                 options->monitor ? options->monitor : "");
+                 options->monitor ? options->monitor : "", options->wait ? 1 : 0);
     *out = window;
     return GW_OK;
 }

@@ -25,8 +25,7 @@ static const struct argp_option options_table[] = {
     {"fps", KEY_RATE, "N", 0, "1 to 240 frames a second of the video; default: 1 / --step, else 30", 6},
     {"remake", KEY_REMAKE, "FILE.json", 0,
      "make the picture again that this file was written beside, bit for bit; takes wall, scene, settings and "
-     "frame from "
-     "it (--scene names the scene where it is now)",
+     "frame from it (--scene names the scene where it is now); on one machine, by sim, also what a wall drew",
      6},
     {0}};
 

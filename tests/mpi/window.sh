@@ -4,6 +4,7 @@
 # shellcheck source=tests/support/tap.sh
 . "$(dirname "$0")/../support/tap.sh"
 make_scene "$folder/sheet.obj"
+support=$(realpath "$(dirname "$0")/../support")
 cd "$folder" || exit 1
 common=(--scene sheet.obj --set octree_depth=7 --quiet)
 view=(--gaze "50,40")
@@ -114,6 +115,46 @@ site screen 640x480
 sim full --site site.yaml --tile-windows "${view[@]}"
 sim full-headless --site site.yaml --headless "${view[@]}"
 is "full-screen has the same pixels" "$(json full.json '["image"]["hash"]')" "$(json full-headless.json '["image"]["hash"]')"
+
+# --- a window manager that knows better: what was asked for and what came, by name, and no wall of windows that do not fit
+python3 -u "$support/stubborn_window_manager.py" >manager.log 2>&1 &
+manager=$!
+for _ in $(seq 100); do
+    [ -s manager.log ] && break
+    sleep 0.1
+done
+expect "a window manager that changes what is asked for" 3 \
+    "c0r0: asked for a window of ${width}x$height px at 0,0, obtained 300x200 px at 20,20; a window manager" \
+    sim "${common[@]}" --tile-windows --tiles 1x1 --size ${width}x$height "${view[@]}"
+kill $manager
+wait $manager 2>/dev/null
+
+# --- swaps wait for the screen; its saver is held off, and whoever cannot says so: by a library in place of libXss
+cat >saver.c <<'C'
+#include <stdio.h>
+int XScreenSaverQueryExtension(void *display, int *event, int *error) {
+    *event = *error = 0;
+    return display && ANSWER;
+}
+void XScreenSaverSuspend(void *display, int on) {
+    FILE *file = fopen("saver.txt", "a");
+    fprintf(file, "%d %d\n", display != 0, on);
+    fclose(file);
+}
+C
+asked() { # ANSWER: of the extension's query; into asked.log
+    mkdir -p saver
+    cc -shared -fPIC -DANSWER="$1" -o saver/libXss.so.1 saver.c
+    LD_LIBRARY_PATH=$folder/saver${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH} timeout 120 "$program" sim --scene sheet.obj --set octree_depth=7 \
+        --log debug --tile-windows --tiles 1x1 --size ${width}x$height "${view[@]}" >asked.log 2>&1
+}
+asked 1
+has "a window waits for its screen's refresh" "$(cat asked.log)" "c0r0: ${width}x$height px, swap interval 1"
+is "the screen saver is suspended" "$(head -1 saver.txt)" "1 1"
+is "without a word" "$(grep -c "screen saver" asked.log)" 0
+asked 0
+has "an X server that cannot: it is told, with what to do" "$(cat asked.log)" \
+    "the screen saver stays on: the X server has no extension MIT-SCREEN-SAVER; switch it off by hand (xset s off -dpms)"
 
 # --- what the screen shows, while it runs
 gone() { # NAME: waits until no process of the run is left

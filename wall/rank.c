@@ -324,9 +324,12 @@ static gw_code get_ready(gw_rank *rank, gw_conductor *conductor, gw_error *error
 
 /* Of a process that took the place of one that was lost: how long it took to show its first frame. */
 static void note_rejoin(gw_rank *rank, int64_t when) {
-    if (rank->rejoined)
-        rank->gate.rejoin_ms = 1 + (uint32_t)((when - rank->rejoined) / 1000000);
+    if (!rank->rejoined)
+        return;
+    rank->gate.rejoin_ms = 1 + (uint32_t)((when - rank->rejoined) / 1000000);
     rank->rejoined = 0;
+    gw_log_write(&rank->line.log, GW_LOG_DEBUG, "tile %s: first frame after %.0f ms of processor",
+                 own_tile(rank)->name, (double)gw_processor_ns() * 1e-6);
 }
 
 gw_code gw_rank_follow(gw_rank *rank, gw_error *error) {

@@ -108,7 +108,7 @@ uint met_index;
 
 // At the cell ahead. One that holds what lets light through never stands for it: a voxel bends nothing.
 float accepted_ahead() {
-#if defined(TRANSMISSION) && !defined(VOXELS_ONLY)
+#if defined(TRANSMISSION) && !defined(VOXELS_ONLY) && !defined(VOXELS_OF_GLASS) // the naive variant, for the test that shows why
     return (met_node.y & GW_NODE_SHEER) != 0u ? 0.0 : accepted_error();
 #else
     return accepted_error();

@@ -45,6 +45,8 @@ typedef struct gw_counters {
     /* By the number of each effect's bit. Those of materials, and voxels, only with counting. */
     gw_effect_use effects[GW_MOST_FEATURES];
 } gw_counters;
+/* Rays of all effects, beside those of pixels. */
+uint64_t gw_secondary_rays(const gw_counters *counters);
 void gw_counters_add(gw_counters *to, const gw_counters *from);
 
 typedef struct gw_renderer_options {

@@ -17,6 +17,17 @@ static const struct {
                     {GW_FEATURE_TRANSMISSION, offsetof(gw_counters, refracted_rays), 0},
                     {GW_FEATURE_LOD, offsetof(gw_counters, voxels), 1}};
 
+static uint64_t own_count(size_t row, const gw_counters *counters) {
+    return *(const uint64_t *)(const void *)((const char *)counters + own_counters[row].counter);
+}
+
+uint64_t gw_secondary_rays(const gw_counters *counters) {
+    uint64_t rays = 0;
+    for (size_t i = 0; i < sizeof own_counters / sizeof *own_counters; ++i)
+        rays += own_counters[i].counting ? 0 : own_count(i, counters);
+    return rays;
+}
+
 static const size_t tail_begin = GW_TOTAL_WORDS * sizeof(uint32_t);
 
 static size_t tail_size(const gw_renderer *renderer) {
@@ -66,8 +77,7 @@ gw_code gw_effects_end(gw_frame_job *job, gw_error *error) {
         known |= own_counters[i].bit;
         for (size_t k = 0; k < GW_MOST_FEATURES; ++k)
             if (own_counters[i].bit == GW_FEATURE_BIT(k))
-                met[k] =
-                    *(const uint64_t *)(const void *)((const char *)&job->counters + own_counters[i].counter);
+                met[k] = own_count(i, &job->counters);
     }
     known &= called_for;
     for (size_t i = 0; !code && i < GW_MOST_FEATURES; ++i) {

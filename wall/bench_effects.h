@@ -34,8 +34,6 @@ typedef struct gw_effect_prices {
 /* Below it, an effect is listed as cheap. */
 #define GW_CHEAP_EFFECT 0.02
 
-/* Rays of all kinds beside those of pixels. */
-uint64_t gw_effect_rays(const gw_counters *counters);
 /* Fills bench->report's "bench", writes effects.csv, effects.json and effects.svg, if there is a folder. */
 gw_code gw_effects_write(const gw_effect_prices *prices, gw_error *error);
 void gw_effects_print(const gw_effect_prices *prices);

@@ -11,10 +11,6 @@
 
 static const double mebibyte = 1048576.0;
 
-uint64_t gw_effect_rays(const gw_counters *counters) {
-    return counters->shadow_rays + counters->mirror_rays;
-}
-
 /* What it takes, cheap or not: the work of rays, which no other program on the machine can change. */
 static double work_share(const gw_effect_price *row) {
     const double with = (double)(row->with.node_loads + row->with.triangle_tests + row->with.voxels);
@@ -31,7 +27,7 @@ static const char *verdict(const gw_effect_price *row) {
 
 static json_t *work_json(const gw_counters *c, uint64_t bytes, double ms) {
     return json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f}", "rays", (json_int_t)c->rays,
-                     "secondary_rays", (json_int_t)gw_effect_rays(c), "steps", (json_int_t)c->steps,
+                     "secondary_rays", (json_int_t)gw_secondary_rays(c), "steps", (json_int_t)c->steps,
                      "node_loads", (json_int_t)c->node_loads, "triangle_tests", (json_int_t)c->triangle_tests,
                      "voxels", (json_int_t)c->voxels, "bytes", (json_int_t)bytes, "ms", ms);
 }
@@ -69,7 +65,7 @@ static gw_code write_rows(const gw_effect_prices *prices, gw_error *error) {
         const gw_effect_price *r = &prices->rows[i];
         fprintf(csv, "%s,%s,%s,%d,", r->scene, r->quality, r->name, r->used);
         const uint64_t pairs[][2] = {{r->with.rays, r->without.rays},
-                                     {gw_effect_rays(&r->with), gw_effect_rays(&r->without)},
+                                     {gw_secondary_rays(&r->with), gw_secondary_rays(&r->without)},
                                      {r->with.steps, r->without.steps},
                                      {r->with.node_loads, r->without.node_loads},
                                      {r->with.triangle_tests, r->without.triangle_tests},
@@ -138,7 +134,7 @@ static double more(uint64_t with, uint64_t without) {
 static void print_row(const gw_effect_price *r) {
     const double pixels = fmax((double)r->with.rays, 1);
     printf("  %-20s %-6s %6.2f %+7.1f %+7.1f %+7.1f %+8.1f %8.1f %6.1f %+7.1f  ", r->name,
-           r->used ? "used" : "unused", (double)gw_effect_rays(&r->with) / pixels,
+           r->used ? "used" : "unused", (double)gw_secondary_rays(&r->with) / pixels,
            more(r->with.steps, r->without.steps), more(r->with.node_loads, r->without.node_loads),
            more(r->with.triangle_tests, r->without.triangle_tests),
            ((double)r->bytes_with - (double)r->bytes_without) / mebibyte, r->ms_with, r->spread,

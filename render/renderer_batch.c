@@ -25,7 +25,7 @@ gw_code gw_frame_kernels(gw_frame_job *job, int resume, gw_error *error) {
     trace.debug = GW_DEBUG_NONE;
     trace.guides = 0;
     trace.resume = shade.resume = resume;
-    if (!(trace.features & GW_FEATURE_LOD) && !trace.until_coarse)
+    if (!trace.voxels_only)
         trace.root_grid = job->renderer->buffers.root_grid_level;
     shade.features &= ~walk_features;
     if (shade.features & GW_FEATURE_SPARSE)

@@ -61,7 +61,7 @@ static gw_code kernel_of(const gw_frame_job *job, const char *name, gw_features 
     key.guides = 0;
     key.resume = resume;
     const int walks = (features & GW_FEATURE_WIDE_NODES) != 0;
-    if (walks && !(key.features & (GW_FEATURE_LOD | GW_FEATURE_ALPHA)))
+    if (walks && !key.voxels_only)
         key.root_grid = job->renderer->buffers.root_grid_level;
     gw_code code = gw_renderer_kernel(job->renderer, name, &key, NULL, out, error);
     if (!code && key.texture_classes > 0) {

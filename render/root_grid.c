@@ -21,8 +21,9 @@ uint32_t gw_root_grid_level(const gw_octree *octree) {
     uint32_t level = FINEST_LEVEL;
     while (level > 0 && (level >= octree->depth || gw_root_grid_size(level) * 2 > octree->node_count))
         level--;
-    /* The largest octrees keep indices on the stack, which entries of a grid do not have. */
-    return octree->node_count <= 1u << 24 ? level : 0;
+    /* The largest octrees keep indices on the stack, which entries of a grid do not have; others put an
+     * entry's index there. */
+    return gw_root_grid_begin(octree) + gw_root_grid_size(level) <= 1u << 24 ? level : 0;
 }
 
 size_t gw_root_grid_begin(const gw_octree *octree) {

@@ -6,6 +6,15 @@ float lod_start; // and at t = 0
 float lod_clear; // t up to which nothing but triangles is accepted
 #endif
 
+// The most that it can be in the root cube.
+float most_accepted_error() {
+#ifdef WIDE_RAYS
+    return max(lod_start + max(lod_slope, 0.0) * root_exit, 0.0);
+#else
+    return lod_slope * root_exit;
+#endif
+}
+
 // At the entry of the ray's cell, in grid units.
 float accepted_error() {
 #ifdef WIDE_RAYS

@@ -52,8 +52,15 @@ uint octant_at(int s) {
 }
 
 // With ROOT_GRID_LEVEL the nodes end with a dense grid of the cells of that level, where the walk starts and where it returns to
-// instead of to the levels above: render/root_grid.h. Where voxels may be met it has no part: they need those levels.
+// instead of to the levels above: render/root_grid.h. It visits the same cells, since empty ones are left as wide as they are. A
+// ray to which cells of the grid or above it may stand for their contents needs those levels and walks from the root.
 #ifdef ROOT_GRID_SCALE
+#ifdef LOD
+float most_accepted_error(); // trace/accepted_error.glsl
+bool from_grid;
+#else
+const bool from_grid = true;
+#endif
 #define SCALE_ABOVE_GRID (17 + ROOT_GRID_SCALE) // its child has the grid's scale in its lower four bits
 #define CHILD_SCALE ((scale - 1) & 15)
 
@@ -65,14 +72,29 @@ uint grid_entry() {
            uint((((at.z << ROOT_GRID_LEVEL) | at.y) << ROOT_GRID_LEVEL) | at.x);
 }
 
+// Below what no cell of the grid stands for its contents, with some room for rounding.
+#ifdef ALWAYS_FROM_GRID
+#define LEAST_ABOVE_GRID 1e30 // the naive variant, for the test that shows why
+#else
+#define LEAST_ABOVE_GRID (0.499 * float(1 << ROOT_GRID_SCALE))
+#endif
+
 void restart() {
-    scale = SCALE_ABOVE_GRID;
-    node_word = 0u;
+#ifdef LOD
+    from_grid = most_accepted_error() < LEAST_ABOVE_GRID;
+#endif
+    scale = from_grid ? SCALE_ABOVE_GRID : SCALE_ABOVE_ROOT;
+    node_word = from_grid ? 0u : WORD_ABOVE_ROOT;
 }
 
 // Scale of the ancestor to return to where cells differ in that bit.
 int return_scale(int highest) {
-    return highest >= ROOT_GRID_SCALE ? SCALE_ABOVE_GRID : highest + 1;
+    return from_grid && highest >= ROOT_GRID_SCALE ? SCALE_ABOVE_GRID : highest + 1;
+}
+
+// A node whose only child, where the ray stands, is this one of scale s: what is above a leaf that the grid names.
+uint word_above(uint index, int s) {
+    return (index << 8) | (1u << octant_at(s));
 }
 
 void return_to(int s) {

@@ -7,6 +7,7 @@
 // variants: OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 FRAGMENTS=8u; OCTREE_DEPTH=11 LOD=1 GAZE=1 GAZE_SEED=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 REFLECTED=1 RESUME=1; OCTREE_DEPTH=11 REFLECTED=1 LOD=1 LEVEL_BLEND=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 UNTIL_COARSE=1 GAZE=1; OCTREE_DEPTH=11 ALPHA=1 TRANSMISSION=1; OCTREE_DEPTH=11 ALPHA=1 TRANSMISSION=1 REFLECTED=1 LOD=1 RESUME=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 ROOT_GRID_LEVEL=6 UNTIL_COARSE=1 GAZE=1; OCTREE_DEPTH=11 ROOT_GRID_LEVEL=6 LOD=1 GAZE=1 RESUME=1 LEVEL_BLEND=1 LEAF_BLEND=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 UNTIL_COARSE=1 REFLECTED=1 DENSE_LEAVES=1 ALPHA=1 COUNT=1
 // variants: OCTREE_DEPTH=11 DENSE_LEAVES=1 COUNT=1; OCTREE_DEPTH=11 DENSE_LEAVES=1 LOD=1 RESUME=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=9 LOD=1 ALPHA=1 COUNT=1 RESUME=1 VOXELS_ONLY=1 FRAGMENTS=8u
@@ -150,6 +151,11 @@ void main() {
     in_root = true;
     state_load(ray_slot);
     walking = true;
+#elif defined(UNTIL_COARSE) && defined(ROOT_GRID_SCALE)
+    // A ray to whose far end cells above the grid may stand for their contents needs the levels that the grid skips.
+    coarse_ahead = walking && most_accepted_error() >= LEAST_ABOVE_GRID;
+    walking = walking && !coarse_ahead;
+    scale = coarse_ahead ? SCALE_ABOVE_ROOT - 1 : scale;
 #endif
     traverse();
 

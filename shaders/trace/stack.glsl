@@ -6,10 +6,13 @@
 #if OCTREE_DEPTH > 15
 #error "the traversal stack holds 15 levels"
 #endif
-// Scale of the root grid's cells, where the walk starts at a grid (trace/grid.glsl) and no level above needs a word.
+// Scale of the root grid's cells, where the walk starts at a grid (trace/grid.glsl) and no level above needs a word, unless
+// some rays walk from the root.
 #if defined(ROOT_GRID_LEVEL) && !defined(WIDE_NODES) && !defined(NO_ROOT_GRID)
 #define ROOT_GRID_SCALE (OCTREE_DEPTH - ROOT_GRID_LEVEL)
+#ifndef LOD
 #define STACK_LEVELS ROOT_GRID_SCALE
+#endif
 #endif
 #ifndef STACK_LEVELS
 #define STACK_LEVELS OCTREE_DEPTH

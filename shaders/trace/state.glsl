@@ -41,9 +41,31 @@ void state_save(uint slot) {
 }
 
 #ifdef LOD
+#ifdef ROOT_GRID_SCALE
+// Down from the grid to where the ray stood: below it, or before a leaf that it names; else it is read again.
+int descend_from_grid(int target) {
+    uint index = grid_entry();
+    uvec2 node = NODE(index);
+    COUNT_STEP();
+    COUNT_NODE(true);
+    int entry_scale = int(GW_GRID_ENTRY_SCALE(node.y));
+    bool leaf = GW_NODE_KIND(node.y) != GW_KIND_INNER;
+    bool below = target <= ROOT_GRID_SCALE && !leaf;
+    bool before = target < SCALE_ABOVE_GRID && target > ROOT_GRID_SCALE && leaf;
+    uint word = node_word_of(index, node);
+    stack_push(from_grid && below ? entry_scale : 0, word);
+    node_word = from_grid && below ? word : from_grid && before ? word_above(index, entry_scale) : node_word;
+    scale = from_grid && below ? entry_scale : from_grid && before ? entry_scale + 1 : scale;
+    return from_grid && !below ? scale : target;
+}
+#endif
+
 // Down from the root to the cell of that scale in which the ray stood: what was decided above it is not decided again.
 void descend_to(int target) {
     bool valid = true;
+#ifdef ROOT_GRID_SCALE
+    target = descend_from_grid(target);
+#endif
     while (scale > target && valid) {
         ++iterations;
         COUNT_STEP();

@@ -118,9 +118,14 @@ float accepted_ahead() {
 // One step, straight through as in trace/traverse_exact.glsl: down, on, or neither before a cell that is not walked into. True
 // there.
 bool take_step() {
-    int child_scale = scale - 1;
+    int child_scale = CHILD_SCALE;
     bool valid;
     met_index = child_at(node_word, octant_at(child_scale), valid);
+#ifdef ROOT_GRID_SCALE
+    bool above = scale == SCALE_ABOVE_GRID;
+    met_index = above ? grid_entry() : met_index;
+    valid = valid || above;
+#endif
     valid = valid && !leave_ahead;
     COUNT_NODE(valid);
     met_node = NODE(valid ? met_index : 0u);
@@ -130,14 +135,20 @@ bool take_step() {
     ivec3 next;
     float leave;
     int highest = find_way_on(child_scale, next, leave);
-    int back = highest + 1;
+    bool stays = highest < OCTREE_DEPTH;
+    int back = return_scale(highest);
     uint ancestor = stack_pop(back);
+#ifdef ROOT_GRID_SCALE
+    child_scale = above ? int(GW_GRID_ENTRY_SCALE(met_node.y)) : child_scale;
+    node_word = above ? word_above(met_index, child_scale) : node_word;
+    scale = above ? child_scale + 1 : scale;
+#endif
     stack_push(valid && !met ? child_scale : 0, below);
     node_word = valid ? (met ? node_word : below) : ancestor;
     scale = valid ? (met ? scale : child_scale) : back;
     cell = valid ? cell : next;
     cell_entry = valid ? cell_entry : leave;
-    in_root = valid || back <= OCTREE_DEPTH;
+    in_root = valid || stays;
 #ifdef SHADOW_RAYS
     in_root = in_root && cell_entry < ray_maximum;
 #endif

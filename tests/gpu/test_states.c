@@ -143,7 +143,7 @@ static gw_camera random_state(uint64_t *random) {
     camera.state.strain = below(random, 3) ? 1 : between(random, 1, 16);
     camera.state.accumulate = below(random, 3) ? 1 : 2;
     camera.state.exposure = between(random, -2, 2);
-    camera.state.tone = camera.state.dither = below(random, 2);
+    camera.state.tone = camera.state.dither = (uint8_t)below(random, 2);
     return camera;
 }
 

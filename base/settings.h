@@ -111,6 +111,8 @@
     GW_ROW(near_light, INTEGER, 32, 0, 255, "", FRAME, "reaches", "light through joints of voxels against light on foliage", \
            "shadow_tau 0",                                                                                              \
            "nearer to a point light than this many heights of its voxels, what shows as a voxel has its shadow's ray start beyond them") \
+    GW_ROW(shadow_samples, CHOICE, 1, 0, 2, "1|4|16", FRAME, "rays", "noise in penumbrae against shadow rays", "16, accumulated",       \
+           "shadow rays to each light that has an extent, at places that differ from pixel to pixel")                     \
     GW_ROW(environment_lights, INTEGER, 8, 0, 64, "", FRAME, "lights", "shadows of skies and lamps in an environment against rays",   \
            "64, and brute-force integration over the environment",                                                      \
            "most lights that stand for what is brightest in an environment and cast shadows; 0: its light has none")      \

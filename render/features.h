@@ -40,6 +40,7 @@ enum { GW_MOST_FEATURES = 64 };
 #define GW_FEATURE_SPECULAR GW_FEATURE_BIT(20) /* reflectance of dielectrics other than 0.04 */
 #define GW_FEATURE_UNLIT GW_FEATURE_BIT(21)
 #define GW_FEATURE_SPOT_LIGHTS GW_FEATURE_BIT(25)  /* lights with a cone or a range */
+#define GW_FEATURE_AREA_LIGHTS GW_FEATURE_BIT(26)  /* lights with an extent: soft shadows */
 #define GW_FEATURE_ENVIRONMENT GW_FEATURE_BIT(27)  /* light and background by direction */
 #define GW_FEATURE_TONE GW_FEATURE_BIT(40)         /* a curve other than linear */
 #define GW_FEATURE_EXPOSURE GW_FEATURE_BIT(41)     /* light is multiplied before the curve */

@@ -37,6 +37,7 @@ void gw_frame_state_apply(gw_frame_state *state, const gw_settings *settings) {
     state->samples = (uint8_t)settings->samples;
     state->coarse_samples = (uint8_t)settings->coarse_samples;
     state->triangle_precision = (uint8_t)settings->triangle_precision;
+    state->shadow_samples = (uint8_t)settings->shadow_samples;
     state->environment_lights = (uint8_t)settings->environment_lights;
     state->accumulate = (uint16_t)settings->accumulate;
     state->strain = (float)settings->strain;

@@ -42,7 +42,8 @@ typedef struct gw_frame_state {
     uint8_t samples;        /* log2 of the rays of a sharp pixel, 0..4 */
     uint32_t seed;
     uint8_t environment_lights;
-    uint8_t reserved[3]; /* 0 */
+    uint8_t shadow_samples; /* 0, 1, 2: 1, 4, 16 */
+    uint8_t reserved[2];    /* 0 */
     /* Accumulation of a still view: pixels are the mean, in linear light, of samples 0 to accumulate - 1 (0
      * counts as 1). epoch numbers the still views from 1; 0: no further sample of this view will be asked
      * for, so nothing is kept for one. */

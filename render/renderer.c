@@ -29,6 +29,8 @@ gw_light_knobs gw_renderer_light_knobs(const gw_renderer *renderer, const gw_fra
     gw_light_knobs knobs = gw_light_knobs_of(state);
     if (renderer->forbidden_features & (GW_FEATURE_ENVIRONMENT | GW_FEATURE_SHADOWS))
         knobs.environment_lights = 0; /* they are there for their shadows */
+    if (renderer->forbidden_features & GW_FEATURE_AREA_LIGHTS)
+        knobs.shadow_samples = 0;
     return knobs;
 }
 
@@ -37,6 +39,8 @@ gw_code gw_renderer_take_features(gw_renderer *renderer, gw_error *error) {
         gw_features_of_scene(renderer->scene, renderer->octree, renderer->mirror_roughness);
     if (renderer->buffers.environment_count > 0)
         called_for |= GW_FEATURE_DIRECTIONAL_LIGHTS | GW_FEATURE_SHADOWS;
+    if (renderer->buffers.wide_lights)
+        called_for |= GW_FEATURE_AREA_LIGHTS;
     gw_features missing = called_for & renderer->forbidden_features & GW_NEEDED_FEATURES;
     renderer->scene_features = called_for & ~renderer->forbidden_features;
     for (size_t i = 0; i < gw_feature_count; ++i)

@@ -179,10 +179,11 @@ gw_code gw_scene_buffers_light(gw_gl *device, const gw_scene *scene, const gw_li
     gw_code code = gw_environment_textures_init(scene, knobs->environment_lights, from_environment, &count,
                                                 &buffers->environment, error);
     if (!code)
-        code = gw_light_list_make(scene, from_environment, count, &list, error);
+        code = gw_light_list_make(scene, from_environment, count, knobs, &list, error);
     buffers->directional_count = list.directional;
     buffers->placed_count = list.placed;
     buffers->environment_count = count;
+    buffers->wide_lights = list.wide;
     if (!code)
         code = gw_gl_buffer_create(device, "lights",
                                    ((size_t)list.directional + list.placed) * sizeof *list.rows, list.rows,

@@ -20,6 +20,7 @@ typedef struct gw_scene_buffers {
     uint32_t root_grid_level;                 /* of the grid behind the nodes (root_grid.h), 0: none */
     uint32_t directional_count, placed_count; /* lights, in this order in the buffer */
     uint32_t environment_count;               /* of the directional ones */
+    int wide_lights;                          /* some have an extent */
     gw_environment_textures environment;
 } gw_scene_buffers;
 

@@ -69,6 +69,7 @@ static const byte_field byte_fields[] = {
     {"metering", offsetof(gw_frame_state, metering), 1},
     {"debug", offsetof(gw_frame_state, debug), GW_DEBUG_VIEWS - 1},
     {"near_light", offsetof(gw_frame_state, near_light), UINT8_MAX},
+    {"shadow_samples", offsetof(gw_frame_state, shadow_samples), 2},
     {"environment_lights", offsetof(gw_frame_state, environment_lights), 64},
     {"bounces", offsetof(gw_frame_state, bounces), 8},
 };

@@ -98,12 +98,14 @@ GW_STRUCT_END(gw_gpu_extension)
 #define GW_ENVIRONMENT_WIDTH 64
 
 // Light, GW_LIGHT_ROWS texels.
-#define GW_LIGHT_ROWS 4
+#define GW_LIGHT_ROWS 5
 GW_STRUCT_BEGIN(gw_gpu_light)
 GW_VEC4(vector); // unit direction towards the light, or position in rebased space; w: 1 for one taken from the environment
 GW_VEC4(color);  // irradiance (at 1 m); w: 1 / range^2, 1/m^2, 0: no end
-GW_VEC4(axis);   // unit direction in which a spot shines
-GW_VEC4(shape);  // scale and offset of the cosine in a cone
+GW_VEC4(axis);   // unit direction in which a spot shines, or a rectangle's side, rebased; w: radius of a sphere, rebased, or 1 - cos of
+                 // a disc's half-angle; 0: hard shadows
+GW_VEC4(shape);  // scale and offset of the cosine in a cone; which part of its light this row is, of how many
+GW_VEC4(side);   // a rectangle's other side, rebased; w: 1 for a rectangle
 GW_STRUCT_END(gw_gpu_light)
 
 // First word of a triangle's first fourth component, in the renderer's copy.

@@ -3,7 +3,7 @@
 // lies in one light: the first fragment's ray serves those behind it, also those of later rounds. A ray is the place of its
 // visibility, fragment * lights + light.
 //
-// variants: OCTREE_DEPTH=11 REFLECTED=1 FRAGMENTS=8u; OCTREE_DEPTH=11; OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 SPOT_LIGHTS=1 FRAGMENTS=8u; OCTREE_DEPTH=11 LOD=1 GAZE=1 RESUME=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 REFLECTED=1 FRAGMENTS=8u; OCTREE_DEPTH=11; OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 SPOT_LIGHTS=1 AREA_LIGHTS=1 FRAGMENTS=8u; OCTREE_DEPTH=11 LOD=1 GAZE=1 RESUME=1 FRAGMENTS=8u
 #ifndef OCTREE_DEPTH
 #define OCTREE_DEPTH 11
 #endif
@@ -81,6 +81,7 @@ void main() {
         return;
     Pixel_square square;
     Pixel_ray ray = ray_of_slot(slot, square);
+    seed_lights(square, ray);
     for (uint light = 0u; light < light_count(); ++light)
         list_light(slot, ray, GW_STATUS_COUNT(status.x), light);
 }

@@ -1,7 +1,7 @@
 // What share of a light reaches what a fragment shows. Where voxels or alpha may stand between, opacities are composited
 // along the ray as for pixels (trace/traverse_lod.glsl), else any triangle will do.
 //
-// variants: OCTREE_DEPTH=11 REFLECTED=1 LOD=1 SPOT_LIGHTS=1 FRAGMENTS=8u; OCTREE_DEPTH=11; OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 LEVEL_BLEND=1 LEAF_BLEND=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 REFLECTED=1 LOD=1 SPOT_LIGHTS=1 AREA_LIGHTS=1 FRAGMENTS=8u; OCTREE_DEPTH=11; OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 LEVEL_BLEND=1 LEAF_BLEND=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 RESUME=1 WIDE_NODES=1 DENSE_LEAVES=1 DOUBLE_EDGES=1 COUNT=1
 // variants: OCTREE_DEPTH=11 ALPHA=1 TRANSMISSION=1 ABSORPTION=1; OCTREE_DEPTH=15 ALPHA=1 TEXTURES=1 TEXTURE_CLASSES=2 VERTEX_COLORS=1 COUNT=1
 // variants: OCTREE_DEPTH=11 LOD=1 ALPHA=1 RESUME=1 DENSE_LEAVES=1 FRAGMENTS=8u; OCTREE_DEPTH=9 LOD=1 VOXELS_ONLY=1 FRAGMENTS=8u
@@ -114,6 +114,7 @@ void main() {
     Pixel_square square;
     Pixel_ray pixel = ray_of_slot(fragment / FRAGMENTS, square);
     float t = uintBitsToFloat(fragments[word + 1u]);
+    seed_lights(square, pixel);
     Shadow_ray ray = shadow_ray_of(fragments[word], t, pixel.origin, pixel.direction, footprint_at(pixel, t), pixel.tau,
                                    place % light_count());
     set_ray(ray.origin, ray.direction);

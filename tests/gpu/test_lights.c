@@ -208,11 +208,143 @@ static void even_skies_need_no_shadow_rays(void **state) {
     gw_stage_close(&stage);
 }
 
+/* Mean over the floor of what is seen over what is given, and the worst pixel's deviation from it. */
+static double mean_ratio(const gw_light *light, double (*given)(const gw_light *, const double[3])) {
+    gw_stage stage;
+    gw_camera camera;
+    open_floor(&stage, light, 1, exact);
+    look_down(&camera, &stage);
+    uint8_t *rgba = take(&stage, &camera, 0, NULL);
+    double seen = 0.0, wanted = 0.0;
+    for (int y = 0; y < SIDE; ++y)
+        for (int x = 0; x < SIDE; ++x) {
+            double place[3];
+            place_on_floor(&camera, x, y, place);
+            if (fabs(place[0]) > 1.9 || fabs(place[2]) > 1.9)
+                continue;
+            seen += gw_srgb_code_to_linear(rgba[4 * (y * SIDE + x)]);
+            wanted += given(light, place) * 0.8 / 3.14159265358979;
+        }
+    free(rgba);
+    gw_stage_close(&stage);
+    return seen / wanted;
+}
+
+/* A sphere above the horizon gives what its middle would. */
+static double sphere_at(const gw_light *light, const double place[3]) {
+    double squared = 0.0;
+    for (int i = 0; i < 3; ++i)
+        squared += (light->vector[i] - place[i]) * (light->vector[i] - place[i]);
+    return (double)light->color[0] / squared * light->vector[1] / sqrt(squared);
+}
+
+static double sun_at(const gw_light *light, const double place[3]) {
+    (void)place;
+    return -(double)light->color[0] * light->vector[1];
+}
+
+static double rectangle_at(const gw_light *light, const double place[3]) {
+    enum { STEPS = 24 };
+    double sum = 0.0;
+    for (int i = 0; i < STEPS * STEPS; ++i) {
+        double to[3], squared = 0.0;
+        for (int k = 0; k < 3; ++k) {
+            to[k] = light->vector[k] + ((i / STEPS + 0.5) / STEPS - 0.5) * (double)light->sides[0][k] +
+                    ((i % STEPS + 0.5) / STEPS - 0.5) * (double)light->sides[1][k] - place[k];
+            squared += to[k] * to[k];
+        }
+        sum += to[1] * to[1] / (squared * squared); /* it looks straight down */
+    }
+    return (double)light->color[0] * sum / (STEPS * STEPS);
+}
+
+static void extents_keep_energy(void **state) {
+    (void)state;
+    const gw_light sphere = {
+        .kind = GW_LIGHT_POINT, .vector = {0.3, 1.2, 0.1}, .color = {1, 1, 1}, .extent = 0.7f};
+    const gw_light sun = {
+        .kind = GW_LIGHT_DIRECTIONAL, .vector = {0.6, -0.8, 0}, .color = {1.5f, 1.5f, 1.5f}, .extent = 0.5f};
+    const gw_light lamp = {.kind = GW_LIGHT_RECTANGLE,
+                           .vector = {0.2, 1, -0.2},
+                           .color = {1, 1, 1},
+                           .sides = {{1, 0, 0}, {0, 0, 1.5f}}};
+    const double of_sphere = mean_ratio(&sphere, sphere_at), of_sun = mean_ratio(&sun, sun_at),
+                 of_lamp = mean_ratio(&lamp, rectangle_at);
+    print_message("seen over given: sphere %.4f, sun %.4f, rectangle %.4f\n", of_sphere, of_sun, of_lamp);
+    /* A dielectric takes its mirrored part from the diffuse one and gives it elsewhere: some hundredths. */
+    assert_true(fabs(of_sphere - 1.0) < 0.04 && fabs(of_sun - 1.0) < 0.04 && fabs(of_lamp - 1.0) < 0.04);
+}
+
+/* Share of a disc of radius 1 on one side of a chord that lies x from its middle. */
+static double share_of_disc(double x) {
+    const double c = fmin(fmax(x, -1.0), 1.0);
+    return 0.5 + (c * sqrt(1.0 - c * c) + asin(c)) / 3.14159265358979;
+}
+
+/* The edge of a plate 1 m above the floor under a sun of 20 degrees: worst deviation of the mean of a column
+ * from the share of the sun's disc that is seen from there. */
+static double error_of_penumbra(const char *shaders, uint8_t samples) {
+    const double tangent = 0.17632698;
+    gw_mesh mesh = {0};
+    gw_mesh_add_grid(&mesh, (const double[]){-2, 0, -2}, (const double[]){0, 0, 4}, (const double[]){4, 0, 0},
+                     4, 4);
+    gw_mesh_add_grid(&mesh, (const double[]){-2, 1, -2}, (const double[]){0, 0, 4}, (const double[]){2, 0, 0},
+                     4, 4);
+    gw_scene *scene = gw_mesh_take(&mesh);
+    scene->lights = calloc(1, sizeof *scene->lights);
+    assert_non_null(scene->lights);
+    scene->light_count = 1;
+    scene->lights[0] = (gw_light){
+        .kind = GW_LIGHT_DIRECTIONAL, .vector = {0, -1, 0}, .color = {2, 2, 2}, .extent = 0.17453293f};
+    for (int i = 0; i < 3; ++i)
+        scene->ambient[i] = scene->background[i] = 0.0f;
+    scene->materials[0].roughness = 1.0f;
+    gw_stage stage;
+    gw_camera camera;
+    check_ok(gw_stage_open(&stage, scene, shaders, exact, &error));
+    gw_camera_look(&camera, &stage, (const double[]){3, 4, 0}, (const double[]){0, 0, 0}, 6.0, SIDE);
+    camera.state.shadow_samples = samples;
+    uint8_t *rgba = take(&stage, &camera, 0, NULL);
+    double worst = 0.0, full = 0.0;
+    for (int pass = 0; pass < 2; ++pass)
+        for (int y = 0; y < SIDE; ++y) { /* rows lie along the edge */
+            double sum = 0.0, wanted = 0.0;
+            for (int x = 0; x < SIDE; ++x) {
+                double place[3];
+                place_on_floor(&camera, x, y, place);
+                sum += gw_srgb_code_to_linear(rgba[4 * (y * SIDE + x)]) / SIDE;
+                wanted += share_of_disc(place[0] / tangent) / SIDE;
+            }
+            if (pass == 0)
+                full = fmax(full, sum);
+            else
+                worst = fmax(worst, fabs(sum / full - wanted));
+        }
+    assert_true(full > 0.1);
+    free(rgba);
+    gw_stage_close(&stage);
+    return worst;
+}
+
+static void penumbrae_are_as_wide_as_the_sun(void **state) {
+    (void)state;
+    char folder[512];
+    const char *middles = gw_naive_shaders(folder, "light-middles", "shade/area_light.glsl", "LIGHT_MIDDLES");
+    const double four = error_of_penumbra(NULL, 1), sixteen = error_of_penumbra(NULL, 2),
+                 naive = error_of_penumbra(middles, 1);
+    print_message(
+        "penumbra off by at most %.3f with 4 rays, %.3f with 16; %.3f with the middles of 4 parts\n", four,
+        sixteen, naive);
+    assert_true(four < 0.08 && sixteen < 0.04 && naive > 2.0 * four); /* the naive places fail */
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(spots_follow_the_standard),
         cmocka_unit_test(suns_of_environments_cast_shadows),
         cmocka_unit_test(even_skies_need_no_shadow_rays),
+        cmocka_unit_test(extents_keep_energy),
+        cmocka_unit_test(penumbrae_are_as_wide_as_the_sun),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

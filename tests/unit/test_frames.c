@@ -136,6 +136,7 @@ static void a_recording_gives_every_bit_back(void **state) {
         states[i].geometry = (uint8_t)(i % 3);
         states[i].near_light = (uint8_t)(255 - i);
         states[i].environment_lights = (uint8_t)(64 - i);
+        states[i].shadow_samples = (uint8_t)(i % 3);
         states[i].bounces = (uint8_t)(i % 9);
         states[i].least_throughput = 1.0f / (3.0f + (float)i);
         states[i].epoch = 7 * i;

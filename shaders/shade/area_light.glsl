@@ -1,0 +1,89 @@
+// Points of lights that have an extent. Each such light is several rows of the list, which share its light; a row stands for one of
+// equal parts of its directions or its area, at a place that differs from pixel to pixel by a fixed pattern on the wall, and from
+// sample to sample of a still view. Needs trace/pixel.glsl and shade/light_list.glsl before it.
+
+struct Light_point {
+    vec3 towards;   // rebased, to the point; of a directional light unit length
+    float distance; // rebased, by which its light falls
+    float share;    // of the row's light
+};
+
+#ifdef AREA_LIGHTS
+uvec2 light_seed;
+
+// Multiples of the powers of the root of g^4 = g + 1, modulo 1 in 32 bits, fill the square evenly over rows and columns of pixels (Roberts,
+// The Unreasonable Effectiveness of Quasirandom Sequences, 2018).
+void seed_lights(Pixel_square square, Pixel_ray ray) {
+#ifdef REFLECTED
+    uvec2 at = floatBitsToUint(ray.direction.xz) * 0x9e3779b1u;
+#else
+    uvec2 at = uvec2(square.first);
+#endif
+    light_seed = uvec2(at.x * 0xd1b54a32u + at.y * 0xabc98388u, at.x * 0x8cb92ba7u + at.y * 0xc13fa9a9u);
+}
+
+// 0..1 in both directions, within this row's part of the light.
+vec2 place_in_light(uint light, float part, float parts) {
+    uint number = light - uint(part);
+    uvec2 turned = light_seed + number * uvec2(0x9e3779b9u, 0x7f4a7c15u);
+    float drawn = floor(1.0 / frame.accumulation.z - 0.5); // number of the sample of a still view
+    precise vec2 moved = vec2(turned >> 8) * (1.0 / 16777216.0) + drawn * vec2(0.6287067, 0.5385969);
+    float side = parts > 4.0 ? 4.0 : parts > 1.0 ? 2.0 : 1.0;
+    float row = floor(part / side);
+#ifdef LIGHT_MIDDLES
+    moved = vec2(0.5); // the naive variant, for the test that shows why
+#endif
+    precise vec2 place = (vec2(part - side * row, row) + fract(moved)) / side;
+    return place;
+}
+
+// A direction of the cone about a unit one, evenly by solid angle; its cosine is 1 - depth.
+vec3 within_cone(vec3 axis, float depth, float turn) {
+    // Frisvad's basis as Duff et al. have it (Building an Orthonormal Basis, Revisited, JCGT 6(1), 2017).
+    float side = axis.z >= 0.0 ? 1.0 : -1.0, a = -1.0 / (side + axis.z), b = axis.x * axis.y * a;
+    vec3 u = vec3(1.0 + side * axis.x * axis.x * a, side * b, -side * axis.x), v = vec3(b, side + axis.y * axis.y * a, -axis.y);
+    float across = sqrt(max(depth * (2.0 - depth), 0.0)), angle = 6.28318530718 * turn;
+    precise vec3 direction = axis * (1.0 - depth) + across * (cos(angle) * u + sin(angle) * v);
+    return direction;
+}
+
+// A sphere: of its cap that is seen from here, which gives E = I / d^2 to a surface that faces it.
+Light_point point_of_sphere(vec3 towards, float radius, vec2 place) {
+    float far = max(length_precise(towards), 1e-12);
+    float sine = min(radius / far, 1.0);
+    precise float depth = sine * sine / (1.0 + sqrt(max(1.0 - sine * sine, 0.0))); // of the whole cap
+    precise float here = depth * place.x;
+    precise float cosine = 1.0 - here;
+    precise float inside = radius * radius - far * far * here * (2.0 - here);
+    precise float near = max(far * cosine - sqrt(max(inside, 0.0)), 1e-3 * far);
+    return Light_point(within_cone(towards / far, here, place.y) * near, max(far, radius), 1.0 / (1.0 - 0.5 * depth));
+}
+
+Light_point point_of_rectangle(vec3 towards, vec3 u, vec3 v, vec2 place) {
+    precise vec3 to_point = towards + (place.x - 0.5) * u + (place.y - 0.5) * v;
+    float far = max(length_precise(to_point), 1e-12);
+    return Light_point(to_point, far, max(-dot(normalize(cross(u, v)), to_point) / far, 0.0));
+}
+#else
+void seed_lights(Pixel_square square, Pixel_ray ray) {
+}
+#endif
+
+Light_point point_of_light(uint light, vec3 from) {
+    bool placed = light >= frame.counts.y;
+    vec3 vector = light_row(light, 0).xyz;
+    vec3 towards = placed ? vector - from : vector;
+    Light_point hard = Light_point(towards, placed ? length_precise(towards) : 1.0, 1.0);
+#ifdef AREA_LIGHTS
+    vec4 u = light_row(light, 2), shape = light_row(light, 3), v = light_row(light, 4);
+    vec2 place = place_in_light(light, shape.z, max(shape.w, 1.0));
+    Light_point wide = point_of_sphere(towards, u.w, place);
+    if (!placed)
+        wide = Light_point(within_cone(vector, u.w * place.x, place.y), 1.0, 1.0);
+    if (v.w > 0.0)
+        wide = point_of_rectangle(towards, u.xyz, v.xyz, place);
+    if (u.w > 0.0 || v.w > 0.0)
+        return wide;
+#endif
+    return hard;
+}

@@ -189,12 +189,6 @@ static gw_code note_losses(const gw_gltf *gltf, gw_source_model *model, gw_error
         size_t count;
         const char *what;
     } losses[] = {
-        {count_with(materials, "normalTexture", NULL), "materials with a normal map: drawn without it"},
-        {count_with(materials, "occlusionTexture", NULL),
-         "materials with an occlusion map: drawn without it"},
-        {count_with(materials, "emissiveTexture", NULL), "materials with an emissive map: its mean is used"},
-        {count_with(materials, "metallicRoughnessTexture", "pbrMetallicRoughness"),
-         "materials with a metallic-roughness map: its mean is used"},
         {count_maps(materials, GW_MAP_CLEARCOAT), "materials with a clearcoat map: its mean is used"},
         {count_maps(materials, GW_MAP_CLEARCOAT_ROUGHNESS),
          "materials with a map of the clearcoat's roughness: its mean is used"},

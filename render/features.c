@@ -39,6 +39,13 @@ const gw_feature_row gw_feature_rows[] = {
      "exposure is not auto, so nobody asks how bright the picture is"},
     {GW_FEATURE_TRANSMISSION, "transmission", "TRANSMISSION", "no material in use lets light through"},
     {GW_FEATURE_ABSORPTION, "absorption", "ABSORPTION", "no medium in use takes light away"},
+    {GW_FEATURE_NORMAL_MAPS, "normal-maps", "NORMAL_MAPS", "no material in use has one"},
+    {GW_FEATURE_MATERIAL_MAPS, "material-maps", "MATERIAL_MAPS",
+     "no material in use has a map of metalness, roughness or occlusion"},
+    {GW_FEATURE_EMISSIVE_MAPS, "emissive-maps", "EMISSIVE_MAPS", "no material in use has one"},
+    {GW_FEATURE_MAP_PLACEMENT, "map-placement", "MAP_PLACEMENT",
+     "every map lies where the base colour of its material does"},
+    {GW_FEATURE_SQUARE_TEXELS, "square-texels", "SQUARE_TEXELS", "every texture is interpolated"},
 };
 const size_t gw_feature_count = sizeof gw_feature_rows / sizeof gw_feature_rows[0];
 
@@ -69,6 +76,25 @@ gw_features gw_features_of_material(const gw_material *material, float mirror_ro
         bits |= GW_FEATURE_MIRROR;
     if (material->alpha_mode != GW_ALPHA_OPAQUE)
         bits |= GW_FEATURE_ALPHA;
+    return bits;
+}
+
+static gw_features features_of_use(const gw_scene *scene, const gw_texture_use *use, gw_features map) {
+    static const float as_it_is[2][3] = {{1, 0, 0}, {0, 1, 0}};
+    if (use->texture < 0)
+        return 0;
+    if (use->coordinate != 0 || memcmp(use->to_uv, as_it_is, sizeof as_it_is) != 0)
+        map |= GW_FEATURE_MAP_PLACEMENT;
+    return map | (scene->textures[use->texture].nearest ? GW_FEATURE_SQUARE_TEXELS : 0);
+}
+
+static gw_features features_of_extension(const gw_scene *scene, const gw_material_extension *extension) {
+    const float *emissive = extension->emissive;
+    gw_features bits = features_of_use(scene, &extension->normal, GW_FEATURE_NORMAL_MAPS) |
+                       features_of_use(scene, &extension->metallic_roughness, GW_FEATURE_MATERIAL_MAPS) |
+                       features_of_use(scene, &extension->occlusion, GW_FEATURE_MATERIAL_MAPS);
+    if (emissive[0] > 0.0f || emissive[1] > 0.0f || emissive[2] > 0.0f)
+        bits |= features_of_use(scene, &extension->emissive_map, GW_FEATURE_EMISSIVE_MAPS);
     return bits;
 }
 
@@ -108,6 +134,11 @@ gw_features gw_features_of_scene(const gw_scene *scene, const gw_octree *octree,
         if (material != last)
             bits |= gw_features_of_material(&scene->materials[material], mirror_roughness) |
                     features_of_glass(scene, material);
+        if (material != last && scene->extensions)
+            bits |= features_of_extension(scene, &scene->extensions[material]);
+        const int32_t texture = scene->materials[material].base_color_texture;
+        if (texture >= 0 && scene->textures[texture].nearest)
+            bits |= GW_FEATURE_SQUARE_TEXELS;
         last = material;
     }
     if (scene->environment.rgbe.rgba)
@@ -139,7 +170,7 @@ gw_features gw_features_of_frame(const gw_frame_state *state, uint32_t viewers, 
     float coarsest = viewers > 0 && state->tau > state->tau_inside ? state->tau : state->tau_inside;
     if (state->geometry == GW_GEOMETRY_VOXELS || (state->geometry == GW_GEOMETRY_HYBRID && coarsest > 0.0f))
         bits |= GW_FEATURE_LOD;
-    int depends = (bits & GW_FEATURE_LOD) || (scene_features & GW_FEATURE_TEXTURES) ||
+    int depends = (bits & GW_FEATURE_LOD) || (scene_features & GW_PICTURE_FEATURES) ||
                   state->debug == GW_DEBUG_GAZE || state->debug == GW_DEBUG_ECCENTRICITY ||
                   state->debug == GW_DEBUG_FOOTPRINT;
     if (viewers > 0 && depends)
@@ -179,6 +210,7 @@ gw_code gw_kernel_defines(const gw_kernel_key *key, char *text, size_t size, gw_
     append(&out, "#define LOOP_BUDGET %uu\n", key->loop_budget);
     append(&out, "#define FRAGMENTS %uu\n", gw_kernel_fragments(key));
     append(&out, "#define TEXTURE_CLASSES %u\n", key->texture_classes);
+    append(&out, "#define DATA_CLASSES %u\n", key->data_classes);
     append(&out, "#define DEBUG_VIEW %u\n", key->debug);
     for (size_t i = 0; i < gw_feature_count; ++i)
         if (key->features & gw_feature_rows[i].bit)

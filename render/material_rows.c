@@ -40,15 +40,18 @@ static void fill_use(const gw_texture_use *in, float rows[2][4]) {
     }
 }
 
-static void fill_row(const gw_scene *scene, const gw_material_extension *in, gw_gpu_extension *out) {
+static void fill_row(const gw_scene *scene, const gw_material_extension *in, const gw_texture_set *colors,
+                     const gw_texture_set *data, gw_gpu_extension *out) {
     const gw_texture_use *uses[] = {&in->normal, &in->metallic_roughness, &in->occlusion, &in->emissive_map,
                                     &in->transmission_map};
     const float factors[4] = {in->normal_scale, in->occlusion_strength, in->roughness, in->metalness};
     const float transmission[4] = {in->transmission, in->ior,
                                    (float)ldexp((double)in->thickness, -scene->exponent), 0};
-    for (int i = 0; i < 4; ++i)
-        out->maps[i] = GW_NO_TEXTURE;
-    out->more_maps[0] = GW_NO_TEXTURE;
+    out->maps[0] = gw_texture_word(data, in->normal.texture, GW_TEXTURE_NORMAL);
+    out->maps[1] = gw_texture_word(data, in->metallic_roughness.texture, GW_TEXTURE_DATA);
+    out->maps[2] = gw_texture_word(data, in->occlusion.texture, GW_TEXTURE_DATA);
+    out->maps[3] = gw_texture_word(colors, in->emissive_map.texture, GW_TEXTURE_COLOR);
+    out->more_maps[0] = gw_texture_word(data, in->transmission_map.texture, GW_TEXTURE_DATA);
     memcpy(out->factors, factors, sizeof factors);
     memcpy(out->emissive, in->emissive, sizeof in->emissive);
     out->emissive[3] = (float)in->unlit;
@@ -63,7 +66,8 @@ static void fill_row(const gw_scene *scene, const gw_material_extension *in, gw_
         fill_use(uses[i], &out->to_uv[2 * i]);
 }
 
-gw_code gw_material_rows_upload(gw_gl *device, const gw_scene *scene, gw_gl_buffer *out, gw_error *error) {
+gw_code gw_material_rows_upload(gw_gl *device, const gw_scene *scene, const gw_texture_set *colors,
+                                const gw_texture_set *data, gw_gl_buffer *out, gw_error *error) {
     const gw_material_extension none = gw_material_extension_none();
     gw_gpu_extension *rows = NULL;
     gw_code code = gw_allocate((void **)&rows, scene->material_count, sizeof *rows,
@@ -71,7 +75,7 @@ gw_code gw_material_rows_upload(gw_gl *device, const gw_scene *scene, gw_gl_buff
     if (code)
         return code;
     for (uint32_t i = 0; i < scene->material_count; ++i)
-        fill_row(scene, scene->extensions ? &scene->extensions[i] : &none, &rows[i]);
+        fill_row(scene, scene->extensions ? &scene->extensions[i] : &none, colors, data, &rows[i]);
     code = gw_gl_buffer_create(device, "material extensions", scene->material_count * sizeof *rows, rows,
                                GL_RGBA32UI, out, error);
     free(rows);

@@ -6,10 +6,13 @@
 #include "base/gl.h"
 #include "base/status.h"
 #include "build/scene.h"
+#include "render/texture_set.h"
 
-enum { GW_UNIT_EXTENSIONS = 17 }; /* texture unit of the rows */
+/* Texture units: of the rows, of the second texture coordinates, of the first array of data. */
+enum { GW_UNIT_EXTENSIONS = 17, GW_UNIT_SECOND_TEXCOORDS = 18, GW_UNIT_DATA = 22 };
 
 /* Rows of all materials; those of a scene without extensions change nothing. */
-gw_code gw_material_rows_upload(gw_gl *device, const gw_scene *scene, gw_gl_buffer *out, gw_error *error);
+gw_code gw_material_rows_upload(gw_gl *device, const gw_scene *scene, const gw_texture_set *colors,
+                                const gw_texture_set *data, gw_gl_buffer *out, gw_error *error);
 
 #endif

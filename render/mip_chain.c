@@ -21,6 +21,13 @@ void gw_texel_curve_init(gw_texel_curve *out) {
     }
 }
 
+void gw_texel_curve_init_linear(gw_texel_curve *out) {
+    for (uint32_t i = 0; i < 256; ++i)
+        out->decode[i] = (uint16_t)(i * 257);
+    for (uint32_t value = 0; value < 65536; ++value)
+        out->encode[value] = (uint8_t)((value + 128) / 257);
+}
+
 /* --- resizing --------------------------------------------------------------------------------------------
  */
 
@@ -43,9 +50,14 @@ typedef struct axis_span {
     double first_share, last_share; /* of those two; all between count 1 */
 } axis_span;
 
-static axis_span span_of(uint32_t at, uint32_t side, uint32_t source) {
+static axis_span span_of(uint32_t at, uint32_t side, uint32_t source, int nearest) {
     axis_span span;
     double scale = (double)source / (double)side;
+    if (source <= side && nearest) {
+        span.first = span.last = (int64_t)floor((at + 0.5) * scale);
+        span.first_share = span.last_share = 1.0;
+        return span;
+    }
     if (source <= side) {
         double centre = (at + 0.5) * scale - 0.5;
         span.first = (int64_t)floor(centre);
@@ -79,7 +91,8 @@ static void axis_finish(axis_taps *axis) {
     *axis = (axis_taps){0};
 }
 
-static gw_code axis_init(uint32_t side, uint32_t source, gw_wrap wrap, axis_taps *out, gw_error *error) {
+static gw_code axis_init(uint32_t side, uint32_t source, gw_wrap wrap, int nearest, axis_taps *out,
+                         gw_error *error) {
     *out = (axis_taps){0};
     /* Two for each output texel; neighbours that shrink share the source texel between them. */
     size_t most = 2 * (size_t)side + (source > side ? source : 0);
@@ -88,7 +101,7 @@ static gw_code axis_init(uint32_t side, uint32_t source, gw_wrap wrap, axis_taps
         code = gw_allocate((void **)&out->first, (size_t)side + 1, sizeof *out->first, "taps", error);
     uint32_t count = 0;
     for (uint32_t at = 0; !code && at < side; ++at) {
-        axis_span span = span_of(at, side, source);
+        axis_span span = span_of(at, side, source, nearest);
         out->first[at] = count;
         for (int64_t i = span.first; i <= span.last; ++i)
             out->taps[count++] = (tap){wrapped(i, source, wrap), share_at(&span, i)};
@@ -156,9 +169,9 @@ static gw_code resize(const gw_texel_curve *curve, const gw_texture *texture, gw
     axis_taps across = {0}, down = {0};
     void (*const texel)(const gw_texel_curve *, const gw_image *, const axis_taps *, const axis_taps *,
                         uint32_t, uint32_t, uint16_t[4]) = is_opaque(image) ? resample_opaque : resample;
-    gw_code code = axis_init(out->side, image->width, texture->wrap_u, &across, error);
+    gw_code code = axis_init(out->side, image->width, texture->wrap_u, texture->nearest, &across, error);
     if (!code)
-        code = axis_init(out->side, image->height, texture->wrap_v, &down, error);
+        code = axis_init(out->side, image->height, texture->wrap_v, texture->nearest, &down, error);
     for (uint32_t y = 0; !code && y < out->side; ++y)
         for (uint32_t x = 0; x < out->side; ++x)
             texel(curve, image, &across, &down, x, y, out->texels[(size_t)y * out->side + x]);
@@ -241,5 +254,31 @@ void gw_linear_image_encode(const gw_texel_curve *curve, const gw_linear_image *
         for (size_t c = 0; c < 3; ++c)
             rgba[i * 4 + c] = curve->encode[image->texels[i][c]];
         rgba[i * 4 + 3] = (uint8_t)((image->texels[i][3] + 128) / 257);
+    }
+}
+
+static uint8_t byte_of_component(double value) {
+    return (uint8_t)lround((value * 0.5 + 0.5) * 255.0);
+}
+
+void gw_unit_texel(uint8_t texel[3]) {
+    const double n[3] = {texel[0] / 127.5 - 1.0, texel[1] / 127.5 - 1.0, texel[2] / 127.5 - 1.0};
+    const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (int c = 0; c < 3 && length > 0.0; ++c)
+        texel[c] = byte_of_component(n[c] / length);
+}
+
+void gw_linear_image_encode_normals(const gw_linear_image *image, uint8_t *rgba) {
+    const size_t count = (size_t)image->side * image->side;
+    for (size_t i = 0; i < count; ++i) {
+        double n[3], square = 0.0;
+        for (int c = 0; c < 3; ++c) {
+            n[c] = image->texels[i][c] / 32767.5 - 1.0;
+            square += n[c] * n[c];
+        }
+        const double length = sqrt(square);
+        for (size_t c = 0; c < 3; ++c)
+            rgba[i * 4 + c] = byte_of_component(length > 1e-6 ? n[c] / length : c == 2);
+        rgba[i * 4 + 3] = (uint8_t)lround((1.0 - sqrt(fmax(1.0 - length, 0.0))) * 255.0);
     }
 }

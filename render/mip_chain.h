@@ -16,6 +16,8 @@ typedef struct gw_texel_curve {
 } gw_texel_curve;
 
 void gw_texel_curve_init(gw_texel_curve *out);
+/* No curve at all: for data. */
+void gw_texel_curve_init_linear(gw_texel_curve *out);
 
 /* Square of linear texels, RGBA. */
 typedef struct gw_linear_image {
@@ -32,5 +34,12 @@ void gw_linear_image_finish(gw_linear_image *image);
 void gw_linear_image_halve(gw_linear_image *image);
 /* sRGB-encoded bytes; rgba has side * side * 4 of them. */
 void gw_linear_image_encode(const gw_texel_curve *curve, const gw_linear_image *image, uint8_t *rgba);
+
+/* The same for an image of linear data that stands for normals (each channel -1..1, opaque): unit normals,
+ * and in alpha how long their mean is, as 1 - sqrt(1 - length), which tells lengths near 1 apart (Toksvig,
+ * Mipmapping Normal Maps, 2005). */
+void gw_linear_image_encode_normals(const gw_linear_image *image, uint8_t *rgba);
+/* Makes the normal of an 8-bit texel one of length 1. */
+void gw_unit_texel(uint8_t texel[3]);
 
 #endif

@@ -314,7 +314,7 @@ gw_renderer_parts gw_renderer_parts_of(const gw_renderer *renderer) {
         .voxels = scene->payloads.size + scene->emissions.size,
         .triangles = scene->triangles.size,
         .attributes = scene->faces.size + scene->vertices.size + scene->materials.size + scene->lights.size,
-        .textures = scene->textures.bytes + scene->environment.bytes,
+        .textures = scene->textures.bytes + scene->data.bytes + scene->environment.bytes,
         .rays = renderer->totals.size + renderer->luminances.size + renderer->frame.size +
                 renderer->given_rays.size + renderer->found_hits.size +
                 gw_ray_buffers_bytes(&renderer->rays) + gw_sample_buffers_bytes(&renderer->samples) +

@@ -34,6 +34,7 @@ static gw_kernel_key key_of(const gw_renderer *renderer, const gw_frame_state *s
         .features = features,
         .depth = renderer->octree->depth,
         .texture_classes = renderer->buffers.textures.class_count,
+        .data_classes = renderer->buffers.data.class_count,
         .loop_budget = renderer->loop_budget,
         .debug = state->debug,
         .voxels_only = lod && state->geometry == GW_GEOMETRY_VOXELS,

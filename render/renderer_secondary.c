@@ -32,9 +32,12 @@ uint64_t gw_secondary_ray_bytes(uint32_t fragments) {
 /* What kernels of secondary rays must know of the rays that ask for them. */
 static gw_kernel_key key_of(const gw_frame_job *job) {
     const gw_features features = GW_SECONDARY_FEATURES | GW_FEATURE_LOD | GW_FEATURE_GAZE |
-                                 GW_FEATURE_SPARSE | GW_FEATURE_SMOOTH_NORMALS;
-    return (gw_kernel_key){
-        .features = job->key.features & features, .depth = job->key.depth, .reflected = job->key.reflected};
+                                 GW_FEATURE_SPARSE | GW_FEATURE_SMOOTH_NORMALS | GW_FEATURE_NORMAL_MAPS |
+                                 GW_FEATURE_MAP_PLACEMENT | GW_FEATURE_SQUARE_TEXELS;
+    return (gw_kernel_key){.features = job->key.features & features,
+                           .depth = job->key.depth,
+                           .data_classes = job->key.data_classes,
+                           .reflected = job->key.reflected};
 }
 
 static gw_code list_requests(gw_frame_job *job, gw_secondary_buffers *to, size_t slots, int resume,

@@ -96,11 +96,11 @@ static gw_code upload_vertices(gw_gl *device, const gw_scene *scene, gw_scene_bu
     return code;
 }
 
-static void fill_material(const gw_material *in, const uint32_t *texture_words, gw_gpu_material *out) {
+static void fill_material(const gw_material *in, const gw_texture_set *textures, gw_gpu_material *out) {
     memcpy(out->base_color, in->base_color, sizeof out->base_color);
     memcpy(out->emissive, in->emissive, 3 * sizeof(float));
     out->emissive[3] = in->metalness;
-    out->words[0] = in->base_color_texture >= 0 ? texture_words[in->base_color_texture] : GW_NO_TEXTURE;
+    out->words[0] = gw_texture_word(textures, in->base_color_texture, GW_TEXTURE_COLOR);
     out->words[1] = in->alpha_mode == GW_ALPHA_MASK    ? GW_MATERIAL_MASK
                     : in->alpha_mode == GW_ALPHA_BLEND ? GW_MATERIAL_BLEND
                                                        : 0;
@@ -117,7 +117,7 @@ static gw_code upload_materials(gw_gl *device, const gw_scene *scene, gw_scene_b
         return code;
     gw_gpu_material *materials = memory;
     for (uint32_t i = 0; i < scene->material_count; ++i)
-        fill_material(&scene->materials[i], out->textures.words, &materials[i]);
+        fill_material(&scene->materials[i], &out->textures, &materials[i]);
     code = gw_gl_buffer_create(device, "materials", scene->material_count * sizeof *materials, materials,
                                GL_RGBA32UI, &out->materials, error);
     free(memory);
@@ -203,11 +203,16 @@ gw_code gw_scene_buffers_init(gw_gl *device, const gw_scene *scene, const gw_oct
     if (!code)
         code = upload_vertices(device, scene, out, error);
     if (!code)
-        code = gw_texture_set_init(device, scene, &out->textures, error);
+        code = gw_texture_set_init(device, scene, GW_TEXTURE_COLOR, &out->textures, error);
+    if (!code)
+        code = gw_texture_set_init(device, scene, GW_TEXTURE_DATA, &out->data, error);
     if (!code)
         code = upload_materials(device, scene, out, error);
     if (!code && (scene->extensions || extensions))
-        code = gw_material_rows_upload(device, scene, &out->extensions, error);
+        code = gw_material_rows_upload(device, scene, &out->textures, &out->data, &out->extensions, error);
+    if (!code && (scene->second_texcoords || extensions))
+        code = gw_gl_buffer_create(device, "second coordinates", scene->vertex_count * 2 * sizeof(float),
+                                   scene->second_texcoords, GL_RG32UI, &out->second_texcoords, error);
     if (!code)
         code = gw_scene_buffers_light(device, scene, knobs, out, error);
     if (code)
@@ -232,6 +237,7 @@ gw_code gw_scene_buffers_move(gw_gl *device, const gw_scene *scene, const gw_oct
 void gw_scene_buffers_finish(gw_scene_buffers *buffers) {
     gw_texture_set_finish(&buffers->textures);
     gw_environment_textures_finish(&buffers->environment);
+    gw_texture_set_finish(&buffers->data);
     gw_gl_buffer *all[] = {&buffers->nodes,     &buffers->references, &buffers->triangles, &buffers->payloads,
                            &buffers->faces,     &buffers->vertices,   &buffers->materials, &buffers->lights,
                            &buffers->emissions, &buffers->boxes,      &buffers->extensions};
@@ -257,4 +263,7 @@ void gw_scene_buffers_bind(const gw_scene_buffers *buffers, uint32_t texture_fil
         gw_gl_texture_bind(&buffers->boxes, 9 + GW_MAXIMUM_TEXTURE_CLASSES);
     if (buffers->extensions.texture)
         gw_gl_texture_bind(&buffers->extensions, GW_UNIT_EXTENSIONS);
+    if (buffers->second_texcoords.texture)
+        gw_gl_texture_bind(&buffers->second_texcoords, GW_UNIT_SECOND_TEXCOORDS);
+    gw_texture_set_bind(&buffers->data, texture_filter, GW_UNIT_DATA);
 }

@@ -15,8 +15,10 @@
 
 typedef struct gw_scene_buffers {
     gw_gl_buffer nodes, references, triangles, payloads, emissions, boxes, faces, vertices, materials, lights;
-    gw_gl_buffer extensions; /* of materials; empty without any */
-    gw_texture_set textures;
+    gw_gl_buffer extensions;       /* of materials; empty without any */
+    gw_gl_buffer second_texcoords; /* of vertices; empty without any */
+    gw_texture_set textures;       /* colours */
+    gw_texture_set data;
     uint32_t root_grid_level;                 /* of the grid behind the nodes (root_grid.h), 0: none */
     uint32_t directional_count, placed_count; /* lights, in this order in the buffer */
     uint32_t environment_count;               /* of the directional ones */
@@ -24,7 +26,8 @@ typedef struct gw_scene_buffers {
     gw_environment_textures environment;
 } gw_scene_buffers;
 
-/* extensions: 1: the rows of material extensions exist even if no material has any. */
+/* extensions: 1: rows of material extensions and second texture coordinates exist even if the scene has none.
+ */
 gw_code gw_scene_buffers_init(gw_gl *device, const gw_scene *scene, const gw_octree *octree, int extensions,
                               const gw_light_knobs *knobs, gw_scene_buffers *out, gw_error *error);
 /* The lights and the environment by other knobs. */

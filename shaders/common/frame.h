@@ -86,12 +86,14 @@ GW_STRUCT_END(gw_gpu_extension)
 #define GW_EXTENSION_COAT 7
 #define GW_EXTENSION_SHEEN 8
 #define GW_EXTENSION_TO_UV 9
-// A material's texture word: class (bits 0-3), layer (4-19), wrap of u (20-21) and v (22-23) as gw_wrap.
+// A material's texture word: class (bits 0-3), layer (4-19), wrap of u (20-21) and v (22-23) as gw_wrap, shown as squares (24).
 #define GW_TEXTURE_CLASS(word) ((word) & 0xfu)
 #define GW_TEXTURE_LAYER(word) (((word) >> 4) & 0xffffu)
 #define GW_TEXTURE_WRAP_U(word) (((word) >> 20) & 3u)
 #define GW_TEXTURE_WRAP_V(word) (((word) >> 22) & 3u)
+#define GW_TEXTURE_SQUARES(word) (((word) & 0x1000000u) != 0u)
 #define GW_MAXIMUM_TEXTURE_CLASSES 4
+#define GW_MAXIMUM_DATA_CLASSES 2
 
 // Of an environment blurred for surfaces: layers, and columns of each.
 #define GW_ENVIRONMENT_LAYERS 5

@@ -9,6 +9,9 @@ struct Surface {
     float metalness, roughness;
     vec3 emissive;   // linear radiance
     float agreement; // of the normals that this one stands for: 1 for triangles
+#ifdef MATERIAL_MAPS
+    float occlusion; // share of the light from everywhere that arrives
+#endif
 };
 
 const float INVERSE_PI = 0.31830988618;
@@ -27,6 +30,9 @@ vec3 environment_specular(Surface surface, vec3 view) {
 vec3 reflect_environment(Surface surface, vec3 view, vec3 irradiance, vec3 radiance) {
     precise vec3 reflected = irradiance * INVERSE_PI * (surface.base_color * (1.0 - surface.metalness)) +
                              radiance * environment_specular(surface, view);
+#ifdef MATERIAL_MAPS
+    reflected *= surface.occlusion;
+#endif
     return reflected;
 }
 

@@ -2,8 +2,15 @@
 #include "common/color.glsl"
 #include "common/payload.glsl"
 #include "shade/brdf.glsl"
-#ifdef TEXTURES
+#if defined(NORMAL_MAPS) || defined(MATERIAL_MAPS) || defined(EMISSIVE_MAPS)
+#define MAPS 1
+#endif
+#if defined(TEXTURES) || defined(MAPS)
 #include "shade/texture.glsl"
+#endif
+#ifdef MAPS
+#include "shade/material_extension.glsl"
+#include "shade/maps.glsl"
 #endif
 
 layout(binding = 4) uniform usamplerBuffer faces;     // three vertices, material
@@ -51,6 +58,49 @@ Corner_weights weights_at(uint triangle, float t, vec3 origin, vec3 direction) {
     return result;
 }
 
+#ifdef MAPS
+// Changes what the material's maps say. Materials without a map keep their bits.
+void apply_maps(inout Surface surface, uint triangle, uvec4 face, Corner_weights corner, vec3 direction, float footprint,
+                uvec4 va, uvec4 vb, uvec4 vc) {
+    Texcoords first = texcoords_of(uintBitsToFloat(va.yz), uintBitsToFloat(vb.yz), uintBitsToFloat(vc.yz), corner.weights);
+#ifdef MAP_PLACEMENT
+    Texcoords second = second_of(face, corner.weights);
+#endif
+    uvec4 words = floatBitsToUint(extension_row(face.w, GW_EXTENSION_MAPS));
+    float facing = max(abs(dot(corner.normal, normalize(direction))), 1.0 / 16.0);
+    float width = footprint * inversesqrt(facing);
+#if defined(NORMAL_MAPS) || defined(MATERIAL_MAPS)
+    vec4 factors = extension_row(face.w, GW_EXTENSION_FACTORS);
+#endif
+#ifdef MATERIAL_MAPS
+    Texcoords finish_at = PLACED(1), occlusion_at = PLACED(2);
+    vec4 finish = sample_data(words.y, finish_at.at, width, density_of(finish_at, corner.doubled_area));
+    surface.metalness = words.y == GW_NO_TEXTURE ? surface.metalness : factors.w * finish.b;
+    surface.roughness = words.y == GW_NO_TEXTURE ? surface.roughness : factors.z * finish.g;
+    float seen = sample_data(words.z, occlusion_at.at, width, density_of(occlusion_at, corner.doubled_area)).r;
+    precise float open = 1.0 + factors.y * (seen - 1.0);
+    surface.occlusion = words.z == GW_NO_TEXTURE ? 1.0 : open;
+#endif
+#ifdef NORMAL_MAPS
+    Texcoords normal_at = PLACED(0);
+    vec4 texel = sample_data(words.x, normal_at.at, width, density_of(normal_at, corner.doubled_area));
+    vec3 a = uintBitsToFloat(TRIANGLE(triangle, 0).xyz);
+    precise vec3 ab = uintBitsToFloat(TRIANGLE(triangle, 1).xyz) - a, ac = uintBitsToFloat(TRIANGLE(triangle, 2).xyz) - a;
+    float front = dot(cross(ab, ac), corner.normal) < 0.0 ? -1.0 : 1.0;
+    vec4 bent = mapped_normal(surface.normal, front, texel, factors.x, normal_at, ab, ac);
+    surface.normal = words.x == GW_NO_TEXTURE ? surface.normal : bent.xyz;
+    // Normals that the footprint mixes widen the highlight, as those of a voxel do.
+    precise float widened = surface.roughness * surface.roughness + 0.5 * bent.w;
+    surface.roughness = words.x == GW_NO_TEXTURE || bent.w <= 0.0 ? surface.roughness : sqrt(min(widened, 1.0));
+#endif
+#ifdef EMISSIVE_MAPS
+    Texcoords glow_at = PLACED(3);
+    vec4 glow = sample_texture(words.w, glow_at.at, width, density_of(glow_at, corner.doubled_area));
+    surface.emissive = words.w == GW_NO_TEXTURE ? surface.emissive : extension_row(face.w, GW_EXTENSION_EMISSIVE).rgb * glow.rgb;
+#endif
+}
+#endif
+
 Surface surface_of_triangle(uint triangle, float t, vec3 origin, vec3 direction, float footprint) {
     Corner_weights corner = weights_at(triangle, t, origin, direction);
     uvec4 face = texelFetch(faces, int(triangle));
@@ -93,6 +143,12 @@ Surface surface_of_triangle(uint triangle, float t, vec3 origin, vec3 direction,
 #ifdef EMISSIVE
     surface.emissive = emissive.rgb;
 #endif
+#ifdef MATERIAL_MAPS
+    surface.occlusion = 1.0;
+#endif
+#ifdef MAPS
+    apply_maps(surface, triangle, face, corner, direction, footprint, va, vb, vc);
+#endif
     surface.alpha = 1.0;
 #ifdef ALPHA
     float cutoff = uintBitsToFloat(words.z);
@@ -133,6 +189,9 @@ Surface surface_of_voxel(uint node, float t, vec3 origin, vec3 direction) {
     surface.emissive = emission_of_voxel(node);
 #endif
     surface.alpha = 1.0;
+#ifdef MATERIAL_MAPS
+    surface.occlusion = 1.0;
+#endif
     return surface;
 }
 #endif

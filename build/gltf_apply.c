@@ -148,15 +148,6 @@ static void apply_material(const json_t *source, gw_material *material, size_t i
 
 /* --- notes on what is not carried --- */
 
-static size_t count_with(const json_t *objects, const char *key, const char *inner) {
-    size_t count = 0;
-    for (size_t i = 0; i < json_array_size(objects); i++) {
-        const json_t *object = json_array_get(objects, i);
-        count += json_object_get(inner ? json_object_get(object, inner) : object, key) != NULL;
-    }
-    return count;
-}
-
 static size_t count_maps(const json_t *materials, gw_map map) {
     size_t count = 0;
     for (size_t i = 0; i < json_array_size(materials); i++)

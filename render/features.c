@@ -43,6 +43,11 @@ const gw_feature_row gw_feature_rows[] = {
     {GW_FEATURE_MATERIAL_MAPS, "material-maps", "MATERIAL_MAPS",
      "no material in use has a map of metalness, roughness or occlusion"},
     {GW_FEATURE_EMISSIVE_MAPS, "emissive-maps", "EMISSIVE_MAPS", "no material in use has one"},
+    {GW_FEATURE_CLEARCOAT, "clearcoat", "CLEARCOAT", "no material in use has one"},
+    {GW_FEATURE_SHEEN, "sheen", "SHEEN", "no material in use has any"},
+    {GW_FEATURE_SPECULAR, "specular", "SPECULAR",
+     "every material in use reflects as index 1.5 does, or as a metal"},
+    {GW_FEATURE_UNLIT, "unlit", "UNLIT", "every material in use is lit"},
     {GW_FEATURE_MAP_PLACEMENT, "map-placement", "MAP_PLACEMENT",
      "every map lies where the base colour of its material does"},
     {GW_FEATURE_SQUARE_TEXELS, "square-texels", "SQUARE_TEXELS", "every texture is interpolated"},
@@ -95,6 +100,16 @@ static gw_features features_of_extension(const gw_scene *scene, const gw_materia
                        features_of_use(scene, &extension->occlusion, GW_FEATURE_MATERIAL_MAPS);
     if (emissive[0] > 0.0f || emissive[1] > 0.0f || emissive[2] > 0.0f)
         bits |= features_of_use(scene, &extension->emissive_map, GW_FEATURE_EMISSIVE_MAPS);
+    if (extension->clearcoat > 0.0f)
+        bits |= GW_FEATURE_CLEARCOAT;
+    if (extension->sheen_color[0] > 0.0f || extension->sheen_color[1] > 0.0f ||
+        extension->sheen_color[2] > 0.0f)
+        bits |= GW_FEATURE_SHEEN;
+    if (extension->ior != 1.5f || extension->specular != 1.0f || extension->specular_color[0] != 1.0f ||
+        extension->specular_color[1] != 1.0f || extension->specular_color[2] != 1.0f)
+        bits |= GW_FEATURE_SPECULAR;
+    if (extension->unlit)
+        bits |= GW_FEATURE_UNLIT;
     return bits;
 }
 

@@ -8,8 +8,15 @@
 #include "build/scene.h"
 #include "render/texture_set.h"
 
-/* Texture units: of the rows, of the second texture coordinates, of the first array of data. */
-enum { GW_UNIT_EXTENSIONS = 17, GW_UNIT_SECOND_TEXCOORDS = 18, GW_UNIT_DATA = 22 };
+/* Texture units: of the rows, of the second texture coordinates, of the tables of reflection, of the first
+ * array of data. */
+enum {
+    GW_UNIT_EXTENSIONS = 17,
+    GW_UNIT_SECOND_TEXCOORDS = 18,
+    GW_UNIT_ALBEDO = 19,
+    GW_UNIT_DATA = 22,
+    GW_UNIT_SHEEN = 24
+};
 
 /* Rows of all materials; those of a scene without extensions change nothing. */
 gw_code gw_material_rows_upload(gw_gl *device, const gw_scene *scene, const gw_texture_set *colors,

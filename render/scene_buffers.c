@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "build/gpu_types.h"
+#include "render/albedo_table.h"
 #include "render/light_list.h"
 #include "render/material_rows.h"
 #include "render/root_grid.h"
@@ -124,6 +125,36 @@ static gw_code upload_materials(gw_gl *device, const gw_scene *scene, gw_scene_b
     return code;
 }
 
+static GLuint table_texture(GLenum format, GLenum layout, const void *texels) {
+    GLuint texture = 0;
+    glCreateTextures(GL_TEXTURE_2D, 1, &texture);
+    glTextureStorage2D(texture, 1, format, GW_ALBEDO_SIDE, GW_ALBEDO_SIDE);
+    glTextureSubImage2D(texture, 0, 0, 0, GW_ALBEDO_SIDE, GW_ALBEDO_SIDE, layout, GL_FLOAT, texels);
+    glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    return texture;
+}
+
+static int has_sheen(const gw_scene *scene) {
+    for (uint32_t i = 0; scene->extensions && i < scene->material_count; ++i)
+        for (int c = 0; c < 3; ++c)
+            if (scene->extensions[i].sheen_color[c] > 0.0f)
+                return 1;
+    return 0;
+}
+
+static gw_code upload_tables(int sheen, gw_scene_buffers *out, gw_error *error) {
+    float albedo[GW_ALBEDO_SIDE][GW_ALBEDO_SIDE][2], of_sheen[GW_ALBEDO_SIDE][GW_ALBEDO_SIDE];
+    gw_albedo_table_fill(albedo);
+    out->albedo_table = table_texture(GL_RG32F, GL_RG, albedo);
+    if (sheen) {
+        gw_sheen_table_fill(of_sheen);
+        out->sheen_table = table_texture(GL_R32F, GL_RED, of_sheen);
+    }
+    return gw_gl_check("uploading tables of reflection", error);
+}
+
 /* With the root grid behind them, if the device's buffer textures hold both. */
 static gw_code upload_nodes(gw_gl *device, const gw_octree *octree, gw_scene_buffers *out, gw_error *error) {
     uint32_t level = gw_root_grid_level(octree);
@@ -215,6 +246,8 @@ gw_code gw_scene_buffers_init(gw_gl *device, const gw_scene *scene, const gw_oct
                                    scene->second_texcoords, GL_RG32UI, &out->second_texcoords, error);
     if (!code)
         code = gw_scene_buffers_light(device, scene, knobs, out, error);
+    if (!code)
+        code = upload_tables(extensions || has_sheen(scene), out, error);
     if (code)
         gw_scene_buffers_finish(out);
     return code;
@@ -238,9 +271,12 @@ void gw_scene_buffers_finish(gw_scene_buffers *buffers) {
     gw_texture_set_finish(&buffers->textures);
     gw_environment_textures_finish(&buffers->environment);
     gw_texture_set_finish(&buffers->data);
-    gw_gl_buffer *all[] = {&buffers->nodes,     &buffers->references, &buffers->triangles, &buffers->payloads,
-                           &buffers->faces,     &buffers->vertices,   &buffers->materials, &buffers->lights,
-                           &buffers->emissions, &buffers->boxes,      &buffers->extensions};
+    const GLuint tables[2] = {buffers->albedo_table, buffers->sheen_table};
+    glDeleteTextures(2, tables);
+    gw_gl_buffer *all[] = {&buffers->nodes,     &buffers->references, &buffers->triangles,
+                           &buffers->payloads,  &buffers->faces,      &buffers->vertices,
+                           &buffers->materials, &buffers->lights,     &buffers->emissions,
+                           &buffers->boxes,     &buffers->extensions, &buffers->second_texcoords};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
         gw_gl_buffer_finish(all[i]);
     memset(buffers, 0, sizeof *buffers);
@@ -266,4 +302,7 @@ void gw_scene_buffers_bind(const gw_scene_buffers *buffers, uint32_t texture_fil
     if (buffers->second_texcoords.texture)
         gw_gl_texture_bind(&buffers->second_texcoords, GW_UNIT_SECOND_TEXCOORDS);
     gw_texture_set_bind(&buffers->data, texture_filter, GW_UNIT_DATA);
+    glBindTextureUnit(GW_UNIT_ALBEDO, buffers->albedo_table);
+    if (buffers->sheen_table)
+        glBindTextureUnit(GW_UNIT_SHEEN, buffers->sheen_table);
 }

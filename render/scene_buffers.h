@@ -19,7 +19,8 @@ typedef struct gw_scene_buffers {
     gw_gl_buffer second_texcoords; /* of vertices; empty without any */
     gw_texture_set textures;       /* colours */
     gw_texture_set data;
-    uint32_t root_grid_level;                 /* of the grid behind the nodes (root_grid.h), 0: none */
+    GLuint albedo_table, sheen_table; /* render/albedo_table.h; the second 0 where nothing has sheen */
+    uint32_t root_grid_level;         /* of the grid behind the nodes (root_grid.h), 0: none */
     uint32_t directional_count, placed_count; /* lights, in this order in the buffer */
     uint32_t environment_count;               /* of the directional ones */
     int wide_lights;                          /* some have an extent */

@@ -8,8 +8,10 @@
 #if defined(TEXTURES) || defined(MAPS)
 #include "shade/texture.glsl"
 #endif
-#ifdef MAPS
+#if defined(MAPS) || defined(SPECULAR) || defined(CLEARCOAT) || defined(SHEEN) || defined(UNLIT)
 #include "shade/material_extension.glsl"
+#endif
+#ifdef MAPS
 #include "shade/maps.glsl"
 #endif
 
@@ -75,9 +77,9 @@ void apply_maps(inout Surface surface, uint triangle, uvec4 face, Corner_weights
 #ifdef MATERIAL_MAPS
     Texcoords finish_at = PLACED(1), occlusion_at = PLACED(2);
     vec4 finish = sample_data(words.y, finish_at.at, width, density_of(finish_at, corner.doubled_area));
-    surface.metalness = words.y == GW_NO_TEXTURE ? surface.metalness : factors.w * finish.b;
-    surface.roughness = words.y == GW_NO_TEXTURE ? surface.roughness : factors.z * finish.g;
-    float seen = sample_data(words.z, occlusion_at.at, width, density_of(occlusion_at, corner.doubled_area)).r;
+    surface.metalness = words.y == GW_NO_TEXTURE ? surface.metalness : factors.w * finish.z;
+    surface.roughness = words.y == GW_NO_TEXTURE ? surface.roughness : factors.z * finish.y;
+    float seen = sample_data(words.z, occlusion_at.at, width, density_of(occlusion_at, corner.doubled_area)).x;
     precise float open = 1.0 + factors.y * (seen - 1.0);
     surface.occlusion = words.z == GW_NO_TEXTURE ? 1.0 : open;
 #endif
@@ -143,11 +145,33 @@ Surface surface_of_triangle(uint triangle, float t, vec3 origin, vec3 direction,
 #ifdef EMISSIVE
     surface.emissive = emissive.rgb;
 #endif
+    surface.albedo = vec2(1.0, 0.0);
 #ifdef MATERIAL_MAPS
     surface.occlusion = 1.0;
 #endif
+#ifdef SPECULAR
+    surface.dielectric = extension_row(face.w, GW_EXTENSION_SPECULAR);
+#endif
+#ifdef CLEARCOAT
+    vec4 coat = extension_row(face.w, GW_EXTENSION_COAT);
+    surface.coat = coat.x;
+    surface.coat_roughness = coat.y;
+    surface.coat_normal = surface.normal; // the map below does not bend it
+    surface.coat_albedo = 0.0;
+#endif
+#ifdef SHEEN
+    vec4 sheen = extension_row(face.w, GW_EXTENSION_SHEEN);
+    surface.sheen = sheen.rgb;
+    surface.sheen_roughness = sheen.a;
+    surface.sheen_albedo = 0.0;
+#endif
 #ifdef MAPS
     apply_maps(surface, triangle, face, corner, direction, footprint, va, vb, vc);
+#endif
+#ifdef UNLIT
+    bool unlit = extension_row(face.w, GW_EXTENSION_EMISSIVE).w > 0.5;
+    surface.lit = unlit ? 0.0 : 1.0;
+    surface.emissive = unlit ? base.rgb : surface.emissive;
 #endif
     surface.alpha = 1.0;
 #ifdef ALPHA
@@ -189,8 +213,23 @@ Surface surface_of_voxel(uint node, float t, vec3 origin, vec3 direction) {
     surface.emissive = emission_of_voxel(node);
 #endif
     surface.alpha = 1.0;
+    surface.albedo = vec2(1.0, 0.0);
 #ifdef MATERIAL_MAPS
     surface.occlusion = 1.0;
+#endif
+#ifdef SPECULAR
+    surface.dielectric = vec4(0.04, 0.04, 0.04, 1.0);
+#endif
+#ifdef CLEARCOAT
+    surface.coat = surface.coat_roughness = surface.coat_albedo = 0.0;
+    surface.coat_normal = surface.normal;
+#endif
+#ifdef SHEEN
+    surface.sheen = vec3(0.0);
+    surface.sheen_roughness = surface.sheen_albedo = 0.0;
+#endif
+#ifdef UNLIT
+    surface.lit = 1.0;
 #endif
     return surface;
 }

@@ -202,15 +202,21 @@ static void scenes_call_for_what_their_used_materials_need(void **state) {
     float normals[9] = {0};
     gw_light lamp = {.kind = GW_LIGHT_POINT};
     gw_octree octree = {.node_count = 1u << 24};
+    gw_texture texture = {.wrap_u = GW_WRAP_REPEAT};
     gw_scene scene = {.vertex_count = 3,
                       .normals = normals,
                       .triangle_count = 3,
                       .material_of = material_of,
                       .material_count = 3,
-                      .materials = materials};
+                      .materials = materials,
+                      .texture_count = 1,
+                      .textures = &texture};
     assert_int_equal(gw_features_of_scene(&scene, &octree, 0.02f), 0);
     material_of[1] = 1;
     assert_int_equal(gw_features_of_scene(&scene, &octree, 0.02f), GW_FEATURE_TEXTURES | GW_FEATURE_ALPHA);
+    texture.nearest = 1;
+    assert_int_equal(gw_features_of_scene(&scene, &octree, 0.02f),
+                     GW_FEATURE_TEXTURES | GW_FEATURE_ALPHA | GW_FEATURE_SQUARE_TEXELS);
     material_of[1] = 2;
     normals[4] = 1.0f;
     scene.lights = &lamp;

@@ -122,6 +122,12 @@
            "secondary rays one behind the other; what lies beyond the last shows the light from everywhere")            \
     GW_ROW(least_throughput, REAL, 0.015625, 0.0, 1.0, "", FRAME, "", "faint reflections against rays", "0",               \
            "a secondary ray is traced where 1 + tau times this share of a pixel may depend on it")                       \
+    GW_ROW(occlusion_cones, CHOICE, 0, 0, 4, "0|1|3|5|6", FRAME, "cones", "flat light from everywhere against rays", "6, accumulate 256", \
+           "cones about the normal that find what of the light from everywhere is covered by what stands near")         \
+    GW_ROW(occlusion_distance, REAL, 0.1, 0.001, 2.0, "", FRAME, "cube sides", "light from everywhere in closed rooms against steps", "2", \
+           "what stands farther away covers nothing, and half of that fully; the octree's cube has side 1")             \
+    GW_ROW(diffuse_bounce, SWITCH, 0, 0, 1, "", FRAME, "", "colours that are not passed on against shadow rays", "on",   \
+           "what the cones of occlusion_cones meet is lit, and lights in turn what they start from, once")              \
     GW_ROW(exposure, REAL, 0.0, -24.0, 24.0, "auto", FRAME, "stops", "detail in the dark against detail in the light", "0", \
            "light is multiplied by 2 to the power of this; auto: so that the mean of the picture comes to exposure_key") \
     GW_ROW(tone, CHOICE, 0, 0, 1, "linear|filmic", FRAME, "", "highlights that are cut off against colours as they are", "linear", \

@@ -32,6 +32,10 @@ const gw_feature_row gw_feature_rows[] = {
     {GW_FEATURE_SHADOWS, "shadows", "SHADOWS", "the scene has no light that could cast any"},
     {GW_FEATURE_MIRROR, "mirror", "MIRROR",
      "no material in use is a perfect mirror: metalness 1, roughness at most mirror_roughness"},
+    {GW_FEATURE_OCCLUSION, "occlusion", "OCCLUSION",
+     "occlusion_cones or bounces is 0, or no light comes from everywhere"},
+    {GW_FEATURE_DIFFUSE, "diffuse-bounce", "DIFFUSE",
+     "diffuse_bounce is off, occlusion_cones or bounces is 0, or nothing sends light"},
     {GW_FEATURE_TONE, "tone", "TONE", "tone is linear"},
     {GW_FEATURE_EXPOSURE, "exposure", "EXPOSURE", "exposure is 0 stops"},
     {GW_FEATURE_DITHER, "dither", "DITHER", "dither is off"},
@@ -180,8 +184,17 @@ static gw_features features_of_tone(const gw_frame_state *state) {
            (state->dither ? GW_FEATURE_DITHER : 0) | (state->metering ? GW_FEATURE_METERING : 0);
 }
 
+/* Cones need voxels, also where everything else ends at triangles. */
+static gw_features features_of_cones(const gw_frame_state *state, gw_features scene_features) {
+    const int lit = (scene_features & (GW_FEATURE_SHADOWS | GW_FEATURE_EMISSIVE)) != 0;
+    if (state->cones == 0 || state->bounces == 0)
+        return 0;
+    return GW_FEATURE_OCCLUSION | (state->diffuse_bounce && lit ? GW_FEATURE_DIFFUSE : 0) |
+           (state->geometry != GW_GEOMETRY_TRIANGLES ? GW_FEATURE_LOD : 0);
+}
+
 gw_features gw_features_of_frame(const gw_frame_state *state, uint32_t viewers, gw_features scene_features) {
-    gw_features bits = 0;
+    gw_features bits = features_of_cones(state, scene_features);
     float coarsest = viewers > 0 && state->tau > state->tau_inside ? state->tau : state->tau_inside;
     if (state->geometry == GW_GEOMETRY_VOXELS || (state->geometry == GW_GEOMETRY_HYBRID && coarsest > 0.0f))
         bits |= GW_FEATURE_LOD;
@@ -232,6 +245,8 @@ gw_code gw_kernel_defines(const gw_kernel_key *key, char *text, size_t size, gw_
             append(&out, "#define %s 1\n", gw_feature_rows[i].define);
     if (key->features & GW_SECONDARY_FEATURES)
         append(&out, "#define SECONDARY 1\n");
+    if (key->features & GW_CONE_FEATURES)
+        append(&out, "#define CONES 1\n");
     if (key->voxels_only)
         append(&out, "#define VOXELS_ONLY 1\n");
     if (key->level_blend)

@@ -49,15 +49,19 @@ enum { GW_MOST_FEATURES = 64 };
 #define GW_FEATURE_TONE GW_FEATURE_BIT(40)          /* a curve other than linear */
 #define GW_FEATURE_EXPOSURE GW_FEATURE_BIT(41)      /* light is multiplied before the curve */
 #define GW_FEATURE_DITHER GW_FEATURE_BIT(42)        /* rounding to 8 bits by a pattern */
+#define GW_FEATURE_OCCLUSION GW_FEATURE_BIT(43)     /* what stands near covers light from everywhere */
+#define GW_FEATURE_DIFFUSE GW_FEATURE_BIT(44)       /* what is lit lights what stands near, once */
 #define GW_FEATURE_METERING GW_FEATURE_BIT(45)      /* the picture's light is counted */
 #define GW_ALL_FEATURES UINT64_MAX
 
 /* What makes fragments ask for secondary rays. */
-#define GW_SECONDARY_FEATURES (GW_FEATURE_MIRROR | GW_FEATURE_TRANSMISSION)
+#define GW_CONE_FEATURES (GW_FEATURE_OCCLUSION | GW_FEATURE_DIFFUSE)
+#define GW_SECONDARY_FEATURES (GW_FEATURE_MIRROR | GW_FEATURE_TRANSMISSION | GW_CONE_FEATURES)
 
 /* What frames decide, not the scene. */
 #define GW_FRAME_FEATURES                                                                                    \
-    (GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_SPARSE | GW_FEATURE_ACCUMULATE | GW_TONE_FEATURES)
+    (GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_SPARSE | GW_FEATURE_ACCUMULATE | GW_TONE_FEATURES |       \
+     GW_CONE_FEATURES)
 
 /* What makes a pixel of linear light: kernels that store none do without. */
 #define GW_TONE_FEATURES (GW_FEATURE_TONE | GW_FEATURE_EXPOSURE | GW_FEATURE_DITHER | GW_FEATURE_METERING)

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-_Static_assert(sizeof(gw_frame_block) == 16 * (36 + 4 * GW_MAXIMUM_VIEWERS), "std140 rows without holes");
+_Static_assert(sizeof(gw_frame_block) == 16 * (42 + 4 * GW_MAXIMUM_VIEWERS), "std140 rows without holes");
 
 /* Smallest resolvable period at the centre of gaze, degrees (60 cycles per degree would be 1/60; 1/48 is the
  * value of Guenter et al., Foveated 3D Graphics, 2012). */
@@ -85,12 +85,27 @@ static gw_code check(const gw_plane *plane, const gw_frame_state *state, gw_erro
     if (!finite3(plane->corner) || !finite3(plane->step_x) || !finite3(plane->step_y))
         return gw_fail(error, GW_BAD_INPUT, "frame %u: the plane's corner or steps are not finite",
                        state->frame);
-    const float knobs[] = {
-        state->tau,           state->tau_inside,     state->gaze_margin,       state->gaze_blend,
-        state->gaze_growth,   state->gaze_latency,   state->gaze_growth_limit, state->acuity_slope,
-        state->voxel_slab,    state->voxel_flatness, state->fold_agreement,    state->least_remainder,
-        state->separated_tau, state->gaze_footprint, state->edge_depth,        state->edge_normal,
-        state->shadow_tau,    state->seed_distance,  state->mirror_roughness,  state->least_throughput};
+    const float knobs[] = {state->tau,
+                           state->tau_inside,
+                           state->gaze_margin,
+                           state->gaze_blend,
+                           state->gaze_growth,
+                           state->gaze_latency,
+                           state->gaze_growth_limit,
+                           state->acuity_slope,
+                           state->voxel_slab,
+                           state->voxel_flatness,
+                           state->fold_agreement,
+                           state->least_remainder,
+                           state->separated_tau,
+                           state->gaze_footprint,
+                           state->edge_depth,
+                           state->edge_normal,
+                           state->shadow_tau,
+                           state->seed_distance,
+                           state->mirror_roughness,
+                           state->least_throughput,
+                           state->occlusion_distance};
     if (!(fabsf(state->exposure) <= 64.0f))
         return gw_fail(error, GW_BAD_INPUT,
                        "frame %u: exposure is %g; it must be a number from -64 to 64 stops", state->frame,
@@ -132,6 +147,27 @@ static double wrapped(double x) {
     return x - floor(x + 0.5);
 }
 
+/* The cones' directions about a normal: the hemisphere is cut into parts that count alike - of light that is
+ * the same from everywhere each brings as much, which on the disk below it are equal areas (Malley's method)
+ * - one about the normal from 5 on, and a ring. The first sample has their middles, the others fill them
+ * evenly. */
+static void place_cones(const gw_frame_state *state, const double moved[2], gw_frame_block *block) {
+    const uint32_t cones = state->cones < GW_MAXIMUM_CONES ? state->cones : GW_MAXIMUM_CONES;
+    const uint32_t inner = cones == 1 || cones >= 5, ring = cones - inner;
+    for (uint32_t i = 0; i < cones; ++i) {
+        const int is_inner = inner && i == 0;
+        const double part = (double)inner / cones;
+        const double area =
+            is_inner ? part * (moved[1] - floor(moved[1])) : part + (1 - part) * (0.5 + moved[1]);
+        const double turn = is_inner ? moved[0] : (i - inner + 0.5 + moved[0]) / ring, radius = sqrt(area);
+        block->cones[i][0] = (float)(radius * gw_cos(2 * GW_PI * turn));
+        block->cones[i][1] = (float)(radius * gw_sin(2 * GW_PI * turn));
+        block->cones[i][2] = (float)sqrt(fmax(1 - area, 0));
+        block->cones[i][3] = 2.0f * state->occlusion_distance; /* the cube has side 2 */
+    }
+    block->sampling[2] = cones;
+}
+
 void gw_frame_block_set_sample(const gw_frame_state *state, uint32_t number, gw_frame_block *block) {
     /* Powers of 1 / g, g the positive root of g^3 = g + 1: multiples of them, modulo 1, fill the square
      * evenly however many are taken (Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018).
@@ -143,6 +179,7 @@ void gw_frame_block_set_sample(const gw_frame_state *state, uint32_t number, gw_
         moved[axis] = wrapped(strides[axis] * number);
         block->accumulation[axis] = (float)moved[axis];
     }
+    place_cones(state, moved, block);
     block->accumulation[2] = (float)(1.0 / (number + 1));
     block->accumulation[3] = number > 0 ? 1.0f : 0.0f;
     for (uint32_t i = 0; i < samples; ++i)
@@ -187,6 +224,7 @@ gw_code gw_frame_block_fill(const gw_scene *scene, const gw_octree *octree, cons
     memset(block, 0, sizeof *block);
     fill_scene(scene, octree, block);
     fill_tone(state, block);
+    block->sampling[3] = GW_CONES_OCCLUDE | (state->diffuse_bounce ? GW_CONES_LIGHT : 0);
 
     double eye[3], corner[3];
     gw_wall_to_rebased(placement, scene, state->eye, eye);

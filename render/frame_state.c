@@ -45,6 +45,10 @@ void gw_frame_state_apply(gw_frame_state *state, const gw_settings *settings) {
     state->exposure = state->metering ? 0.0f : (float)settings->exposure;
     state->tone = (uint8_t)settings->tone;
     state->dither = (uint8_t)settings->dither;
+    static const uint8_t cones[] = {0, 1, 3, 5, GW_MAXIMUM_CONES};
+    state->cones = cones[settings->occlusion_cones];
+    state->occlusion_distance = (float)settings->occlusion_distance;
+    state->diffuse_bounce = (uint8_t)settings->diffuse_bounce;
 }
 
 gw_frame_state gw_frame_state_in_force(const gw_frame_state *state) {

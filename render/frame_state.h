@@ -62,14 +62,16 @@ typedef struct gw_frame_state {
     /* Navigation: wall mm per scene metre. 0: as the scene is placed by a viewpoint, or true to scale. */
     float scene_scale;
     /* From the light of the pixels to the codes of the screen, which the samples do not depend on. */
-    float exposure;        /* stops: what was set, or what rank 0 decided */
-    uint8_t tone, dither;  /* knobs as above */
-    uint8_t metering;      /* 1: tiles tell how bright their pixels are, for exposure=auto */
-    uint8_t reserved_tone; /* 0 */
+    float exposure;       /* stops: what was set, or what rank 0 decided */
+    uint8_t tone, dither; /* knobs as above */
+    uint8_t metering;     /* 1: tiles tell how bright their pixels are, for exposure=auto */
+    uint8_t cones;        /* occlusion_cones, their number: 0 to 6 */
+    float occlusion_distance;
+    uint8_t diffuse_bounce, reserved_cones[3]; /* the latter 0 */
 } gw_frame_state;
 #pragma GCC diagnostic pop
 _Static_assert(offsetof(gw_frame_state, seed) == offsetof(gw_frame_state, samples) + sizeof(uint8_t) &&
-                   offsetof(gw_frame_state, reserved_tone) + sizeof(uint8_t) == sizeof(gw_frame_state),
+                   offsetof(gw_frame_state, reserved_cones) + 3 == sizeof(gw_frame_state),
                "no holes for compilers that know no -Wpadded either: after the bytes, and at the end");
 _Static_assert(sizeof(gw_frame_state) < 512, "the frame state travels in one small message");
 
@@ -88,6 +90,7 @@ typedef enum gw_debug_view {
     GW_DEBUG_VIEWS
 } gw_debug_view;
 
+enum { GW_MAXIMUM_CONES = 6 };
 enum { GW_MAXIMUM_ACCUMULATION = 256, GW_MAXIMUM_STRAIN = 16 };
 
 /* Copies the FRAME settings into the state; accumulate is the number of samples to draw at once. */

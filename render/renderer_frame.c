@@ -18,10 +18,19 @@ static int shows_work(uint8_t debug) {
            debug == GW_DEBUG_VOXELS;
 }
 
+/* What the frame calls for; nothing covers light from everywhere where there is none. */
+static gw_features called_for(const gw_renderer *renderer, const gw_frame_state *state, uint32_t viewers) {
+    const float *ambient = renderer->scene->ambient;
+    const int dark = ambient[0] <= 0.0f && ambient[1] <= 0.0f && ambient[2] <= 0.0f &&
+                     !(renderer->scene_features & GW_FEATURE_ENVIRONMENT);
+    return gw_features_of_frame(state, viewers, renderer->scene_features) &
+           ~(dark ? GW_FEATURE_OCCLUSION : 0);
+}
+
 static gw_kernel_key key_of(const gw_renderer *renderer, const gw_frame_state *state, uint32_t viewers) {
-    gw_features features = (renderer->scene_features | renderer->forced_features |
-                            gw_features_of_frame(state, viewers, renderer->scene_features)) &
-                           ~renderer->forbidden_features;
+    gw_features features =
+        (renderer->scene_features | renderer->forced_features | called_for(renderer, state, viewers)) &
+        ~renderer->forbidden_features;
     if (state->bounces == 0)
         features &= ~GW_SECONDARY_FEATURES;
     /* What lies at the border of a medium is decided where a ray meets it, as alpha is. */
@@ -343,7 +352,7 @@ gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement,
         return code;
     renderer->has_drawn = 1;
     renderer->loop_iterations = 0;
-    renderer->last_features = gw_features_of_frame(state, job.block.counts[0], renderer->scene_features);
+    renderer->last_features = called_for(renderer, state, job.block.counts[0]);
     gw_scene_buffers_bind(&renderer->buffers, state->texture_filter);
     code = begin_variant(&job, error);
     if (!code)

@@ -40,6 +40,11 @@ static gw_kernel_key key_of(const gw_frame_job *job) {
                            .reflected = job->key.reflected};
 }
 
+/* The most that a fragment may ask for. */
+static size_t rays_of_fragment(const gw_frame_job *job) {
+    return GW_RAYS_OF_FRAGMENT + (job->key.features & GW_CONE_FEATURES ? job->block.sampling[2] : 0);
+}
+
 static gw_code list_requests(gw_frame_job *job, gw_secondary_buffers *to, size_t slots, int resume,
                              uint32_t *count, gw_error *error) {
     gw_renderer *renderer = job->renderer;
@@ -51,7 +56,7 @@ static gw_code list_requests(gw_frame_job *job, gw_secondary_buffers *to, size_t
     gw_code code = gw_renderer_grow(renderer, &to->asked, "rays asked for", places * sizeof(uint32_t), error);
     if (!code)
         code = gw_renderer_grow(renderer, &to->requests, "requests of rays",
-                                places * GW_RAYS_OF_FRAGMENT * sizeof(uint32_t), error);
+                                places * rays_of_fragment(job) * sizeof(uint32_t), error);
     if (!code)
         code = gw_renderer_kernel(renderer, "shade/list_secondary.comp", &key, NULL, &program, error);
     if (code)

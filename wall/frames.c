@@ -43,6 +43,7 @@ static const float_field float_fields[] = {
     {"scene_scale", offsetof(gw_frame_state, scene_scale), 0, 1e12},
     {"edge_depth", offsetof(gw_frame_state, edge_depth), 0.01, 1},
     {"edge_normal", offsetof(gw_frame_state, edge_normal), 1, 180},
+    {"occlusion_distance", offsetof(gw_frame_state, occlusion_distance), 0.001, 2},
     {"exposure", offsetof(gw_frame_state, exposure), -24, 24},
 };
 
@@ -64,6 +65,8 @@ static const byte_field byte_fields[] = {
     {"coarse_samples", offsetof(gw_frame_state, coarse_samples), 3},
     {"samples", offsetof(gw_frame_state, samples), 4},
     {"triangle_precision", offsetof(gw_frame_state, triangle_precision), GW_PRECISION_DOUBLE},
+    {"cones", offsetof(gw_frame_state, cones), GW_MAXIMUM_CONES},
+    {"diffuse_bounce", offsetof(gw_frame_state, diffuse_bounce), 1},
     {"tone", offsetof(gw_frame_state, tone), GW_TONE_FILMIC},
     {"dither", offsetof(gw_frame_state, dither), 1},
     {"metering", offsetof(gw_frame_state, metering), 1},

@@ -43,7 +43,8 @@ GW_UVEC4(counts);    // viewers, directional lights, lights with a place, rays o
 GW_UVEC4(level_begin[4]); // first node of each octree level, 16 entries; unused ones are 0xffffffff
 GW_VEC4(accumulation); // xy: this sample's ray in its square, in sides of it from its centre; z: 1 / samples with this one;
                        // w: 1 when samples have been added before
-GW_UVEC4(sampling);  // rays of a coarse square, log2 of the largest square, 0, 0
+GW_UVEC4(sampling);  // rays of a coarse square, log2 of the largest square, number of cones, what they are for: GW_CONES_
+GW_VEC4(cones[6]);   // xyz: unit direction about the normal, z along it; w: rebased length up to which anything counts
 GW_VEC4(tone);       // gain of the exposure; 1: the filmic curve; 1: dithered; 1: this sample's light is counted
 GW_VEC4(gazing);     // gaze_footprint, edge_depth, cosines of edge_normal and of half of it
 GW_VEC4(coarse_places[4]); // of up to 8 rays in their square, in sides of it, as below
@@ -161,8 +162,8 @@ GW_STRUCT_END(gw_gpu_light)
 
 // A secondary ray, rows of 16 bytes: origin and footprint there; unit direction and growth of the footprint per unit; tau, below
 // 0 for padding, the distance up to which only triangles count, the largest share of a pixel that depends on it, 0 if it may not ask
-// for more, and 0; with TRANSMISSION the media that it is in (shade/media.glsl), the triangle that it comes through or
-// GW_NO_TRIANGLE, and 0. All as the bits of words.
+// for more, and for cones the length up to which anything counts, below 0 if what they meet need not be lit; with TRANSMISSION the
+// media that it is in (shade/media.glsl), the triangle that it comes through or GW_NO_TRIANGLE, and 0. All as the bits of words.
 #define GW_SECONDARY_ROWS 4u
 // Which rays a fragment asks for: the number of the first in bits 0-27, a bit of GW_RAY_ for each kind in bits 28-31; its rays
 // are numbered kind by kind. What they bring stands by number: radiance, and what of the ray met nothing.
@@ -171,6 +172,9 @@ GW_STRUCT_END(gw_gpu_light)
 #define GW_ASKED_KINDS(word) ((word) >> 28)
 #define GW_RAY_REFLECTED 1u
 #define GW_RAY_REFRACTED 2u
+#define GW_RAY_CONES 8u // as many as the frame has
+#define GW_CONES_OCCLUDE 1u
+#define GW_CONES_LIGHT 2u
 // A request: the fragment in bits 0-25, which of its rays in bits 26-31.
 #define GW_REQUEST(fragment, which) ((fragment) | ((which) << 26))
 #define GW_REQUEST_FRAGMENT(word) ((word) & 0x03ffffffu)

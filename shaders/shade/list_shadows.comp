@@ -50,6 +50,9 @@ void list_light(uint slot, Pixel_ray ray, uint count, uint light) {
         precise float behind = (t - served_from) * size;
         served = server != GW_NO_PLACE && behind <= coarsest_voxel(frame.secondary.x * ray.tau * width);
 #endif
+#ifdef REFLECTED
+        shadow.needed = shadow.needed && ray.reach >= 0.0;
+#endif
         if (shadow.needed && !served) {
             shadow_rays[atomicAdd(totals[3], 1u)] = place;
             server = place;

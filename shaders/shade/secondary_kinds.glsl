@@ -24,6 +24,23 @@ bool worth_asking(Pixel_ray ray, float part) {
     return part > 0.0 && part >= least;
 }
 
+#ifdef CONES
+// What share of a fragment reflects light all ways, at most.
+float diffuse_share(uint id) {
+    bool voxel = (id & GW_FRAGMENT_VOXEL) != 0u;
+    int material = int(texelFetch(faces, int(voxel ? 0u : id)).w) * 3;
+    float metalness = uintBitsToFloat(texelFetch(materials, material + 1).w);
+#ifdef MATERIAL_MAPS
+    metalness = 0.0; // a texture has it
+#endif
+#ifdef LOD
+    uvec3 payload = PAYLOAD(voxel ? id & ~GW_FRAGMENT_VOXEL : 0u);
+    metalness = voxel ? float(GW_PAYLOAD_METALNESS_CODE(payload.z)) * (1.0 / 63.0) : metalness;
+#endif
+    return 1.0 - metalness;
+}
+#endif
+
 #ifdef TRANSMISSION
 #include "shade/transmission.glsl"
 
@@ -52,9 +69,18 @@ uint kinds_asked(Pixel_ray ray, uint id, float weight) {
 #ifdef MIRROR
     kinds |= worth_asking(ray, throughput_of(ray, weight) * mirror_share(id)) ? GW_RAY_REFLECTED : 0u;
 #endif
+#ifdef CONES
+    bool cones = frame.sampling.z > 0u && worth_asking(ray, throughput_of(ray, weight) * diffuse_share(id));
+    kinds |= cones ? GW_RAY_CONES : 0u;
+#endif
     return kinds;
 }
 
+// Of the kinds before the cones.
+uint first_cone_of(uint kinds) {
+    return uint(bitCount(kinds & (GW_RAY_REFLECTED | GW_RAY_REFRACTED)));
+}
+
 uint rays_of(uint kinds) {
-    return uint(bitCount(kinds));
+    return first_cone_of(kinds) + ((kinds & GW_RAY_CONES) != 0u ? frame.sampling.z : 0u);
 }

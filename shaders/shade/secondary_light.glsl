@@ -45,10 +45,36 @@ vec3 with_transmitted(vec3 lit, Surface surface, vec3 view, Optics optics, uint 
 }
 #endif
 
+#ifdef CONES
+// What of the light from everywhere is covered is not there, and what the cones meet shines instead.
+vec3 with_cones(vec3 lit, Surface surface, vec3 view, uint asked) {
+    uint kinds = GW_ASKED_KINDS(asked);
+    bool none = (kinds & GW_RAY_CONES) == 0u;
+    precise vec4 sum = vec4(0.0);
+    for (uint i = 0u; i < frame.sampling.z; ++i) {
+        vec4 brought = radiance_of[none ? 0u : GW_ASKED_FIRST(asked) + first_cone_of(kinds) + i];
+        sum += brought;
+    }
+    precise vec4 mean = sum / float(max(frame.sampling.z, 1u));
+    precise vec3 irradiance = vec3(0.0);
+#ifdef OCCLUSION
+    irradiance += (frame.sampling.w & GW_CONES_OCCLUDE) != 0u ? irradiance_around(surface) * (mean.w - 1.0) : vec3(0.0);
+#endif
+#ifdef DIFFUSE
+    irradiance += (frame.sampling.w & GW_CONES_LIGHT) != 0u ? mean.rgb / INVERSE_PI : vec3(0.0);
+#endif
+    precise vec3 added = lit + reflect_environment(surface, view, irradiance, vec3(0.0));
+    return none ? lit : added;
+}
+#endif
+
 vec3 with_secondary(vec3 lit, Surface surface, vec3 view, uint id, uint fragment) {
     uint asked = asked_of[fragment];
 #ifdef MIRROR
     lit = with_reflected(lit, surface, view, id, asked);
+#endif
+#ifdef CONES
+    lit = with_cones(lit, surface, view, asked);
 #endif
     return lit;
 }

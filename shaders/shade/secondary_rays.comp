@@ -3,6 +3,7 @@
 // variants: OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 SMOOTH_NORMALS=1; OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 LOD=1 GAZE=1 SPARSE=1 SMOOTH_NORMALS=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 REFLECTED=1 LOD=1 FRAGMENTS=8u; OCTREE_DEPTH=11 SECONDARY=1 TRANSMISSION=1
 // variants: OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 TRANSMISSION=1 REFLECTED=1 LOD=1 SMOOTH_NORMALS=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 SECONDARY=1 CONES=1 OCCLUSION=1 LOD=1 SMOOTH_NORMALS=1 FRAGMENTS=8u; OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 CONES=1 OCCLUSION=1 DIFFUSE=1 LOD=1 GAZE=1 SPARSE=1 FRAGMENTS=8u
 #ifndef OCTREE_DEPTH
 #define OCTREE_DEPTH 11
 #endif
@@ -15,8 +16,10 @@ uniform uint group_base;
 layout(std430, binding = 0) readonly buffer Fragments { uint fragments[]; };
 layout(std430, binding = 20) readonly buffer Requests { uint requests[]; };
 layout(std430, binding = 26) writeonly buffer Next_rays { uvec4 next_rays[]; };
-#ifdef TRANSMISSION
+#if defined(TRANSMISSION) || defined(CONES)
 layout(std430, binding = 19) readonly buffer Asked { uint asked_of[]; };
+#endif
+#ifdef TRANSMISSION
 layout(std430, binding = 28) readonly buffer Media { uvec2 media_of[]; };
 #endif
 layout(location = 0) uniform uvec3 batch; // first request, number of them, 1 if what they meet may ask for more
@@ -25,9 +28,14 @@ layout(location = 0) uniform uvec3 batch; // first request, number of them, 1 if
 #include "shade/surface.glsl"
 #include "shade/secondary_kinds.glsl"
 #include "shade/secondary_ray.glsl"
+#if defined(MIRROR) || defined(TRANSMISSION)
 #include "shade/reflected_ray.glsl"
+#endif
 #ifdef TRANSMISSION
 #include "shade/refracted_ray.glsl"
+#endif
+#ifdef CONES
+#include "shade/cone_ray.glsl"
 #endif
 
 void main() {
@@ -39,6 +47,8 @@ void main() {
     Pixel_ray ray = ray_of_slot(fragment / FRAGMENTS, square);
     Met met = met_by(ray, fragments[word], uintBitsToFloat(fragments[word + 1u]));
     float part = throughput_of(ray, uintBitsToFloat(fragments[word + 2u]));
+    float reach = 0.0;
+#if defined(MIRROR) || defined(TRANSMISSION)
     Secondary_ray next = reflected_ray(met);
 #ifdef TRANSMISSION
     uvec2 media = media_of[fragment / FRAGMENTS];
@@ -50,11 +60,28 @@ void main() {
     if (refracts)
         next = through;
 #endif
+#endif
+#ifdef CONES
+    uint first_cone = first_cone_of(GW_ASKED_KINDS(asked_of[fragment]));
+    bool cone = GW_REQUEST_WHICH(request) >= first_cone;
+    Secondary_ray from_cone = cone_ray(met, GW_REQUEST_WHICH(request) - (cone ? first_cone : 0u));
+#ifdef TRANSMISSION
+    from_cone.media = media;
+    from_cone.skipped = GW_NO_TRIANGLE;
+#endif
+#if defined(MIRROR) || defined(TRANSMISSION)
+    if (cone)
+        next = from_cone;
+#else
+    Secondary_ray next = from_cone;
+#endif
+    reach = cone ? ((frame.sampling.w & GW_CONES_LIGHT) != 0u ? frame.cones[0].w : -frame.cones[0].w) : 0.0;
+#endif
     precise float throughput = part * next.part;
     uint row = at * GW_SECONDARY_ROWS;
     next_rays[row] = floatBitsToUint(vec4(next.origin, next.width));
     next_rays[row + 1u] = floatBitsToUint(vec4(next.direction, next.growth));
-    next_rays[row + 2u] = floatBitsToUint(vec4(present ? next.tau : -1.0, next.clear, batch.z != 0u ? throughput : 0.0, 0.0));
+    next_rays[row + 2u] = floatBitsToUint(vec4(present ? next.tau : -1.0, next.clear, batch.z != 0u ? throughput : 0.0, reach));
 #ifdef TRANSMISSION
     next_rays[row + 3u] = uvec4(next.media, next.skipped, 0u);
 #endif

@@ -13,6 +13,7 @@
 // variants: OCTREE_DEPTH=11 SPECULAR=1 CLEARCOAT=1 SHEEN=1 UNLIT=1 DIRECTIONAL_LIGHTS=1
 // variants: OCTREE_DEPTH=11 LOD=1 SPECULAR=1 CLEARCOAT=1 SHEEN=1 UNLIT=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 LOD=1 NORMAL_MAPS=1 MATERIAL_MAPS=1 DATA_CLASSES=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 LOD=1 SECONDARY=1 CONES=1 OCCLUSION=1 FRAGMENTS=8u; OCTREE_DEPTH=11 LOD=1 REFLECTED=1 SECONDARY=1 CONES=1 OCCLUSION=1 DIFFUSE=1 MIRROR=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 DEBUG_VIEW=1; OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=2; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=4
 // variants: OCTREE_DEPTH=11 GAZE=1 SPARSE=1 DEBUG_VIEW=5; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=6; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=7
 #ifndef OCTREE_DEPTH
@@ -102,6 +103,21 @@ vec3 finish(vec4 sum, float left, vec3 background) {
     return met + behind * background;
 }
 
+#if defined(CONES) && defined(REFLECTED)
+// What a cone meets counts fully up to half of its reach, and not at all from there on.
+float cone_weight(Pixel_ray ray, float t, float weight) {
+    precise float share = clamp(2.0 - 2.0 * t / max(abs(ray.reach), 1e-30), 0.0, 1.0);
+    precise float counted = weight * share;
+    return ray.reach != 0.0 ? counted : weight;
+}
+
+// What of a cone met nothing that counts.
+float open_share(Pixel_ray ray, vec4 sum, float left) {
+    float open = max(left, 1.0 - sum.w);
+    return ray.reach != 0.0 ? (open >= OPAQUE_REMAINDER ? open : 0.0) : left;
+}
+#endif
+
 void main() {
     uint at = (group_base + gl_WorkGroupID.x) * 64u + gl_LocalInvocationIndex;
 #ifdef RESUME
@@ -166,16 +182,17 @@ void main() {
 #ifdef COUNT
         count_material(id);
 #endif
-        see_surface(surface, view);
-#ifdef TRANSMISSION
-        Surface rest = surface;
-        rest.base_color *= 1.0 - optics.share; // what goes through is not scattered
-        precise vec3 lit = light_surface(rest, view, slot * FRAGMENTS + i);
-#else
-        precise vec3 lit = light_surface(surface, view, slot * FRAGMENTS + i);
+#if defined(CONES) && defined(REFLECTED)
+        weight = cone_weight(ray, t, weight);
 #endif
+        see_surface(surface, view);
+        Surface rest = surface;
+#ifdef TRANSMISSION
+        rest.base_color *= 1.0 - optics.share; // what goes through is not scattered
+#endif
+        precise vec3 lit = light_surface(rest, view, slot * FRAGMENTS + i);
 #ifdef SECONDARY
-        lit = with_secondary(lit, surface, view, id, slot * FRAGMENTS + i);
+        lit = with_secondary(lit, rest, view, id, slot * FRAGMENTS + i);
 #endif
 #ifdef TRANSMISSION
         lit = with_transmitted(lit, surface, view, optics, asked_of[slot * FRAGMENTS + i]);
@@ -199,7 +216,12 @@ void main() {
         next_queue[atomicAdd(totals[2], 1u)] = slot;
         return;
     }
-    vec3 color = finish(sum, left, radiance_behind(ray));
+    vec3 background = radiance_behind(ray);
+#if defined(CONES) && defined(REFLECTED)
+    left = open_share(ray, sum, left);
+    background = ray.reach != 0.0 ? vec3(0.0) : background;
+#endif
+    vec3 color = finish(sum, left, background);
 #ifdef COUNT
     uvec4 work = work_of[slot];
 #else

@@ -28,6 +28,7 @@ struct Pixel_ray {
     float start; // footprint at t = 0
     float clear; // t up to which only triangles count
     float throughput; // largest share of a pixel that depends on it, 0: what it meets asks for no more rays
+    float reach; // of a cone: length up to which anything counts, below 0 if what it meets need not be lit; 0: no cone
 #endif
 };
 
@@ -98,7 +99,7 @@ Pixel_ray ray_of_slot(uint slot, out Pixel_square square) {
     vec4 start = uintBitsToFloat(given_rays[row]), aim = uintBitsToFloat(given_rays[row + 1u]);
     vec4 knobs = uintBitsToFloat(given_rays[row + 2u]);
     square = square_of_slot(slot);
-    return Pixel_ray(start.xyz, aim.xyz, aim.w, knobs.x, start.w, knobs.y, knobs.z);
+    return Pixel_ray(start.xyz, aim.xyz, aim.w, knobs.x, start.w, knobs.y, knobs.z, knobs.w);
 }
 #else
 Pixel_ray ray_of_square(Pixel_square square) {

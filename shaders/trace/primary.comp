@@ -47,8 +47,17 @@ uint ray_slot;
 
 const float NO_HIT = 1e30;
 
+// No hit beyond it counts.
+float end_of(Pixel_ray ray) {
+#ifdef REFLECTED
+    return ray.reach != 0.0 ? abs(ray.reach) : NO_HIT;
+#else
+    return NO_HIT;
+#endif
+}
+
 void begin(Pixel_ray ray) {
-    hit_t = NO_HIT;
+    hit_t = end_of(ray);
     hit_triangle = GW_NO_TRIANGLE;
     floor_t = 0.0;
     floor_triangle = GW_NO_TRIANGLE;
@@ -90,7 +99,7 @@ void begin(Pixel_ray ray) {
     leaf_share = 1.0;
     leaf_again = false;
     fragment_count = 0u;
-    ray_maximum = NO_HIT;
+    ray_maximum = end_of(ray);
 #endif
 }
 

@@ -149,7 +149,7 @@ bool take_step() {
     cell = valid ? cell : next;
     cell_entry = valid ? cell_entry : leave;
     in_root = valid || stays;
-#ifdef SHADOW_RAYS
+#if defined(SHADOW_RAYS) || defined(REFLECTED)
     in_root = in_root && cell_entry < ray_maximum;
 #endif
     bool left = !valid && back > voxel_scale;

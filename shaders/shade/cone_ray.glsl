@@ -1,0 +1,33 @@
+// A cone about the normal that asks how much of it is covered, and by what: a ray whose footprint grows as fast as it may without
+// meeting the plane that it leaves. A voxel that stands for its contents is up to twice as wide as the footprint, and a plane with the
+// normal n lies in voxels of side v up to v (|nx| + |ny| + |nz|) above it; half of the ray's own height is left for what bends. Needs
+// shade/secondary_ray.glsl before it.
+
+// Directions across n, which turn with it but where its largest component is another one.
+mat3 frame_about(vec3 n) {
+    vec3 size = abs(n);
+    vec3 axis = size.x >= size.y && size.x >= size.z ? vec3(0.0, 1.0, 0.0) : size.y >= size.z ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0);
+    precise vec3 across = cross(axis, n);
+    across /= max(length_precise(across), 1e-6);
+    precise vec3 other = cross(n, across);
+    return mat3(across, other, n);
+}
+
+// which: of the frame's cones.
+Secondary_ray cone_ray(Met met, uint which) {
+    const float least_rise = 0.05;
+    vec4 cone = frame.cones[min(which, 5u)];
+    mat3 about = frame_about(met.normal);
+    vec3 plane = met.start.normal;
+    precise vec3 direction = about[0] * cone.x + about[1] * cone.y + about[2] * cone.z;
+    // Shading normals lead below the surface that is there.
+    direction += plane * max(least_rise - dot(direction, plane), 0.0);
+    direction /= max(length_precise(direction), 1e-6);
+    float rise = max(dot(direction, plane), 0.5 * least_rise);
+    float extent = abs(plane.x) + abs(plane.y) + abs(plane.z);
+    precise float growth = 0.25 * rise / extent;
+    precise float accepted = met.ray.tau * met.width;
+    Secondary_origin from = secondary_origin(met.start, accepted, rise, shadow_origin(met.start, accepted));
+    precise float clear = max(from.clear, met.start.own_side > 0.0 ? 0.0 : 4.0 * accepted * extent / rise);
+    return Secondary_ray(from.origin, direction, accepted, growth, 1.0, clear, 0.0);
+}

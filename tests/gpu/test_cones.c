@@ -1,0 +1,324 @@
+/* Ambient occlusion and one bounce of diffuse light from voxel cones: against many rays through triangles, in
+ * closed rooms, in any split. */
+#include "tests/support/check.h"
+
+#include "base/srgb.h"
+#include "render/features.h"
+#include "render/frame_block.h"
+#include "tests/support/meshes.h"
+#include "tests/support/renders.h"
+
+#include <math.h>
+
+enum { SIDE = 40, PIXELS = SIDE * SIDE, SCENES = 3, MANY = 144 };
+static const double pi = 3.14159265358979323846;
+static const float ambient = 2.4f, albedo = 0.8f; /* the light is 0.61 where nothing is covered */
+
+static gw_stage stages[SCENES];
+static gw_camera cameras[SCENES];
+
+static void add_box(gw_mesh *mesh, const double low[3], const double high[3], int inside) {
+    for (int axis = 0; axis < 3; ++axis)
+        for (int end = 0; end < 2; ++end) {
+            double corner[3], u[3] = {0}, v[3] = {0};
+            const int a = (axis + 1) % 3, b = (axis + 2) % 3, flip = end ^ inside;
+            memcpy(corner, low, sizeof corner);
+            corner[axis] = end ? high[axis] : low[axis];
+            u[flip ? a : b] = high[flip ? a : b] - low[flip ? a : b];
+            v[flip ? b : a] = high[flip ? b : a] - low[flip ? b : a];
+            gw_mesh_add_grid(mesh, corner, u, v, 4, 4);
+        }
+}
+
+/* A floor under a ball, a corner of three walls, the inside of a box. */
+static gw_scene *make_scene(int which) {
+    gw_mesh mesh = {0};
+    const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
+    if (which == 0) {
+        gw_mesh_add_grid(&mesh, (const double[]){-1, 0, -1}, (const double[]){0, 0, 2},
+                         (const double[]){2, 0, 0}, 8, 8);
+        gw_mesh_add_sphere(&mesh, (const double[]){0, 0.35, 0}, 0.3, 0, 40, 20);
+    } else if (which == 1) {
+        gw_mesh_add_grid(&mesh, low, (const double[]){0, 0, 2}, (const double[]){2, 0, 0}, 6, 6);
+        gw_mesh_add_grid(&mesh, low, (const double[]){2, 0, 0}, (const double[]){0, 2, 0}, 6, 6);
+        gw_mesh_add_grid(&mesh, low, (const double[]){0, 2, 0}, (const double[]){0, 0, 2}, 6, 6);
+    } else {
+        add_box(&mesh, low, high, 1);
+    }
+    gw_scene *scene = gw_mesh_take(&mesh);
+    for (int k = 0; k < 3; ++k) {
+        scene->ambient[k] = ambient;
+        scene->background[k] = 0.9f; /* must not be seen by cones */
+        scene->materials[0].base_color[k] = albedo;
+    }
+    scene->materials[0].roughness = 1;
+    scene->materials[0].metalness = 0;
+    return scene;
+}
+
+/* One at a time: a stage has a GL device of its own. */
+static gw_renderer *enter(int which) {
+    static const double eyes[SCENES][3] = {{0.2, 1.1, 2}, {1.1, 0.9, 1.4}, {0.7, 0.4, 0.8}};
+    static const double targets[SCENES][3] = {{0, 0.15, 0}, {-0.6, -0.6, -0.6}, {-0.6, -0.5, -0.7}};
+    check_ok(
+        gw_stage_open(&stages[which], make_scene(which), NULL,
+                      (const char *const[]){"octree_depth=7", "occlusion_cones=6", "occlusion_distance=0.25",
+                                            "reconstruction=cubic", "sample_block=2", NULL},
+                      &error));
+    gw_camera_look(&cameras[which], &stages[which], eyes[which], targets[which], 50, SIDE);
+    return gw_stage_renderer(&stages[which]);
+}
+
+static void leave(int which, gw_renderer **renderer) {
+    gw_renderer_destroy(renderer);
+    gw_stage_close(&stages[which]);
+}
+
+/* Share of the light from everywhere that a pixel shows: what a dielectric mirrors of it is never covered. */
+static double openness_of(const uint8_t *pixel) {
+    const double light = gw_srgb_code_to_linear(pixel[1]) * pi / (double)ambient;
+    return (light - 0.04) / (double)albedo;
+}
+
+static gw_ray ray_of_pixel(const gw_frame_block *block, uint32_t x, uint32_t y) {
+    gw_ray ray = {.maximum = 1e9f};
+    for (int k = 0; k < 3; ++k) {
+        ray.origin[k] = block->eye[k];
+        ray.direction[k] =
+            block->corner[k] + block->step_x[k] * ((float)x + 0.5f) + block->step_y[k] * ((float)y + 0.5f);
+    }
+    return ray;
+}
+
+static void normal_of(const gw_scene *scene, const gw_ray *ray, uint32_t triangle, double n[3]) {
+    const float *p[3];
+    double a[3], b[3], towards = 0, size = 0;
+    for (int i = 0; i < 3; ++i)
+        p[i] = &scene->positions[3 * (size_t)scene->triangles[triangle][i]];
+    for (int k = 0; k < 3; ++k) {
+        a[k] = (double)p[1][k] - (double)p[0][k];
+        b[k] = (double)p[2][k] - (double)p[0][k];
+    }
+    for (int k = 0; k < 3; ++k) {
+        n[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+        towards += n[k] * (double)ray->direction[k];
+        size += n[k] * n[k];
+    }
+    for (int k = 0; k < 3; ++k)
+        n[k] *= (towards > 0 ? -1 : 1) / sqrt(size);
+}
+
+/* Cosine-weighted, evenly spread over the disk below the hemisphere. */
+static void fill_bundle(gw_ray *rays, const double at[3], const double n[3], double reach) {
+    const int axis = fabs(n[0]) < 0.6 ? 0 : 1;
+    double u[3] = {0}, v[3], size = 0;
+    for (int k = 0; k < 3; ++k) {
+        u[k] = (k == axis) - n[axis] * n[k];
+        size += u[k] * u[k];
+    }
+    for (int k = 0; k < 3; ++k)
+        u[k] /= sqrt(size);
+    for (int k = 0; k < 3; ++k)
+        v[k] = n[(k + 1) % 3] * u[(k + 2) % 3] - n[(k + 2) % 3] * u[(k + 1) % 3];
+    for (int i = 0; i < MANY; ++i) {
+        const double area = (i + 0.5) / MANY, radius = sqrt(area), turn = 2.39996322972865332 * i;
+        for (int k = 0; k < 3; ++k) {
+            rays[i].origin[k] = (float)(at[k] + 1e-5 * n[k]);
+            rays[i].direction[k] =
+                (float)(radius * (cos(turn) * u[k] + sin(turn) * v[k]) + sqrt(1 - area) * n[k]);
+        }
+        rays[i].minimum = 0;
+        rays[i].maximum = (float)reach;
+    }
+}
+
+/* The reference: openness of every pixel by many rays that end at triangles; negative where nothing is. */
+static void trace_openness(int which, gw_renderer *renderer, double *openness) {
+    const gw_camera *camera = &cameras[which];
+    const double reach = 2 * (double)camera->state.occlusion_distance;
+    gw_frame_block block;
+    gw_ray *first = calloc(PIXELS, sizeof *first), *rays = calloc((size_t)PIXELS * MANY, sizeof *rays);
+    gw_hit *met = calloc(PIXELS, sizeof *met), *hits = calloc((size_t)PIXELS * MANY, sizeof *hits);
+    assert_true(first && rays && met && hits);
+    check_ok(gw_frame_block_fill(stages[which].scene, stages[which].octree, &camera->placement,
+                                 &camera->plane, &camera->state, &block, NULL, &error));
+    for (uint32_t i = 0; i < PIXELS; ++i)
+        first[i] = ray_of_pixel(&block, i % SIDE, i / SIDE);
+    check_ok(gw_renderer_trace(renderer, GW_TRACE_OCTREE, first, PIXELS, met, NULL, &error));
+    for (uint32_t i = 0; i < PIXELS; ++i) {
+        double at[3], n[3];
+        if (met[i].triangle == GW_NO_TRIANGLE)
+            continue;
+        normal_of(stages[which].scene, &first[i], met[i].triangle, n);
+        for (int k = 0; k < 3; ++k)
+            at[k] = (double)first[i].origin[k] + (double)met[i].t * (double)first[i].direction[k];
+        fill_bundle(&rays[(size_t)i * MANY], at, n, reach);
+    }
+    check_ok(gw_renderer_trace(renderer, GW_TRACE_OCTREE, rays, (size_t)PIXELS * MANY, hits, NULL, &error));
+    for (uint32_t i = 0; i < PIXELS; ++i) {
+        double covered = 0;
+        for (size_t j = (size_t)i * MANY; j < (size_t)(i + 1) * MANY; ++j)
+            if (hits[j].triangle != GW_NO_TRIANGLE)
+                covered += fmin(1, 2 - 2 * (double)hits[j].t / reach);
+        openness[i] = met[i].triangle == GW_NO_TRIANGLE ? -1 : 1 - covered / MANY;
+    }
+    free(first);
+    free(rays);
+    free(met);
+    free(hits);
+}
+
+typedef struct off {
+    double mean, worst, plain; /* of openness; plain: mean without any occlusion */
+} off;
+
+static off compare(const gw_camera *camera, gw_renderer *renderer, const double *openness) {
+    off result = {0, 0, 0};
+    int count = 0;
+    uint8_t *pixels = gw_camera_take(camera, renderer, NULL);
+    for (size_t i = 0; i < PIXELS; ++i) {
+        if (openness[i] < 0)
+            continue;
+        const double error_here = fabs(openness_of(pixels + 4 * i) - openness[i]);
+        result.mean += error_here;
+        result.worst = fmax(result.worst, error_here);
+        result.plain += 1 - openness[i];
+        count++;
+    }
+    result.mean /= count;
+    result.plain /= count;
+    free(pixels);
+    return result;
+}
+
+/* Against the reference; and with the samples of a still view better. The naive variant, light that nothing
+ * covers, is `plain`. */
+static void cones_come_near_many_rays(void **state) {
+    static const uint8_t cones[] = {1, 3, 5, 6};
+    static double openness[PIXELS];
+    (void)state;
+    for (int which = 0; which < 2; ++which) {
+        gw_renderer *renderer = enter(which);
+        trace_openness(which, renderer, openness);
+        gw_camera camera = cameras[which];
+        off found = {0, 0, 0}, refined;
+        for (size_t c = 0; c < sizeof cones; ++c) {
+            camera.state.cones = cones[c];
+            found = compare(&camera, renderer, openness);
+            print_message("# scene %d, %d cones: openness off by %.3f, at worst %.3f; without %.3f\n", which,
+                          cones[c], found.mean, found.worst, found.plain);
+        }
+        camera.state.accumulate = 16;
+        refined = compare(&camera, renderer, openness);
+        print_message("# scene %d, 6 cones, 16 samples: off by %.3f, at worst %.3f\n", which, refined.mean,
+                      refined.worst);
+        assert_true(found.mean < 0.06);
+        assert_true(found.mean < 0.6 * found.plain);
+        assert_true(refined.mean < 0.03);
+        leave(which, &renderer);
+    }
+}
+
+/* In a closed room all is covered, however far cones reach: no more light comes through its walls than this.
+ */
+static void a_closed_room_is_dark(void **state) {
+    (void)state;
+    gw_renderer *renderer = enter(2);
+    gw_camera camera = cameras[2];
+    camera.state.occlusion_distance = 2;
+    for (int coarse = 0; coarse < 2; ++coarse) {
+        double worst = 0, sum = 0;
+        camera.state.tau_inside = coarse ? 2.0f : 0.0f; /* what cones start from is voxels, too */
+        uint8_t *pixels = gw_camera_take(&camera, renderer, NULL);
+        for (size_t i = 0; i < PIXELS; ++i) {
+            const double open = openness_of(pixels + 4 * i);
+            worst = fmax(worst, open);
+            sum += open;
+        }
+        print_message("# tau %d: openness in a closed room %.4f, at worst %.4f\n", 2 * coarse, sum / PIXELS,
+                      worst);
+        assert_true(sum / PIXELS < (coarse ? 0.03 : 0.01));
+        assert_true(coarse || worst < 0.2); /* rays of pixels leak at edges of voxels, too */
+        free(pixels);
+    }
+    leave(2, &renderer);
+}
+
+/* A room whose walls glow evenly and reflect the share a: one bounce adds a times the glow, everywhere. */
+static void glowing_walls_light_each_other(void **state) {
+    (void)state;
+    const float glow = 0.3f;
+    gw_scene *scene = make_scene(2);
+    gw_stage stage;
+    for (int k = 0; k < 3; ++k) {
+        scene->ambient[k] = 0;
+        scene->materials[0].emissive[k] = glow;
+        scene->materials[0].base_color[k] = 0.5f;
+    }
+    check_ok(gw_stage_open(&stage, scene, NULL,
+                           (const char *const[]){"octree_depth=6", "occlusion_cones=5",
+                                                 "occlusion_distance=2", "diffuse_bounce=on", NULL},
+                           &error));
+    gw_renderer *renderer = gw_stage_renderer(&stage);
+    gw_camera camera;
+    gw_camera_look(&camera, &stage, (const double[]){0.7, 0.4, 0.8}, (const double[]){-0.6, -0.5, -0.7}, 50,
+                   SIDE);
+    uint8_t *pixels = gw_camera_take(&camera, renderer, NULL);
+    double sum = 0;
+    for (size_t i = 0; i < PIXELS; ++i)
+        sum += gw_srgb_code_to_linear(pixels[4 * i + 1]) / PIXELS;
+    print_message("# glow 0.3 of walls that reflect half: %.4f, wanted 0.45\n", sum);
+    assert_true(fabs(sum - 0.45) < 0.01);
+    free(pixels);
+    /* Nothing comes from everywhere: that effect is not called for, the other one is. */
+    json_t *report = json_object();
+    check_ok(gw_renderer_report(renderer, report, &error));
+    char *run = json_dumps(json_object_get(json_object_get(report, "effects"), "run"), 0);
+    assert_non_null(strstr(run, "diffuse-bounce"));
+    assert_null(strstr(run, "occlusion"));
+    free(run);
+    json_decref(report);
+    gw_renderer_destroy(&renderer);
+    gw_stage_close(&stage);
+}
+
+/* Any split, rays that are suspended early, and a gaze: the same bits. */
+static void any_split_gives_the_same_bits(void **state) {
+    static const gw_rectangle parts[4] = {{0, 0, 17, 24}, {17, 0, 23, 24}, {0, 24, 17, 16}, {17, 24, 23, 16}};
+    static uint8_t piece[PIXELS * 4];
+    (void)state;
+    const gw_renderer_options breath = {.loop_budget = 40};
+    gw_renderer *renderer = enter(0), *short_winded = NULL;
+    check_ok(gw_renderer_create(stages[0].device, stages[0].scene, stages[0].octree, &breath, &short_winded,
+                                &error));
+    gw_camera camera = cameras[0];
+    gw_camera_gaze(&camera, 12, 20, 4.0);
+    camera.state.tau = 3;
+    gw_counters counters = {0};
+    uint8_t *whole = gw_camera_take(&camera, renderer, &counters);
+    assert_int_equal(counters.step_cap_hits + counters.nan_pixels, 0);
+    uint8_t *same = gw_camera_take(&camera, short_winded, NULL);
+    assert_memory_equal(same, whole, PIXELS * 4);
+    for (int p = 0; p < 4; ++p) {
+        const gw_rectangle *r = &parts[p];
+        check_ok(gw_renderer_frame(renderer, &camera.placement, &camera.plane, r, &camera.state, piece, NULL,
+                                   &error));
+        for (uint32_t y = 0; y < r->height; ++y)
+            assert_memory_equal(piece + (size_t)y * r->width * 4,
+                                whole + (((size_t)r->y + y) * SIDE + (size_t)r->x) * 4, (size_t)r->width * 4);
+    }
+    free(whole);
+    free(same);
+    gw_renderer_destroy(&short_winded);
+    leave(0, &renderer);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(cones_come_near_many_rays),
+        cmocka_unit_test(a_closed_room_is_dark),
+        cmocka_unit_test(glowing_walls_light_each_other),
+        cmocka_unit_test(any_split_gives_the_same_bits),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

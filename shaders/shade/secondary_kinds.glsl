@@ -26,7 +26,7 @@ bool worth_asking(Pixel_ray ray, float part) {
 
 #ifdef CONES
 // What share of a fragment reflects light all ways, at most.
-float diffuse_share(uint id) {
+float diffuse_share_of(uint id) {
     bool voxel = (id & GW_FRAGMENT_VOXEL) != 0u;
     int material = int(texelFetch(faces, int(voxel ? 0u : id)).w) * 3;
     float metalness = uintBitsToFloat(texelFetch(materials, material + 1).w);
@@ -70,7 +70,7 @@ uint kinds_asked(Pixel_ray ray, uint id, float weight) {
     kinds |= worth_asking(ray, throughput_of(ray, weight) * mirror_share(id)) ? GW_RAY_REFLECTED : 0u;
 #endif
 #ifdef CONES
-    bool cones = frame.sampling.z > 0u && worth_asking(ray, throughput_of(ray, weight) * diffuse_share(id));
+    bool cones = frame.sampling.z > 0u && worth_asking(ray, throughput_of(ray, weight) * diffuse_share_of(id));
     kinds |= cones ? GW_RAY_CONES : 0u;
 #endif
     return kinds;

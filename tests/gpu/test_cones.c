@@ -272,7 +272,8 @@ static void glowing_walls_light_each_other(void **state) {
     free(pixels);
     /* Nothing comes from everywhere: that effect is not called for, the other one is. */
     json_t *report = json_object();
-    check_ok(gw_renderer_report(renderer, report, &error));
+    const gw_counters counters = {0};
+    check_ok(gw_renderer_report(renderer, &counters, report, &error));
     char *run = json_dumps(json_object_get(json_object_get(report, "effects"), "run"), 0);
     assert_non_null(strstr(run, "diffuse-bounce"));
     assert_null(strstr(run, "occlusion"));

@@ -29,5 +29,16 @@ Secondary_ray cone_ray(Met met, uint which) {
     precise float accepted = met.ray.tau * met.width;
     Secondary_origin from = secondary_origin(met.start, accepted, rise, shadow_origin(met.start, accepted));
     precise float clear = max(from.clear, met.start.own_side > 0.0 ? 0.0 : 4.0 * accepted * extent / rise);
-    return Secondary_ray(from.origin, direction, accepted, growth, 1.0, clear, 0.0);
+    Secondary_ray next;
+    next.origin = from.origin;
+    next.direction = direction;
+    next.width = accepted;
+    next.growth = growth;
+    next.tau = 1.0;
+    next.clear = clear;
+    next.part = 0.0;
+#ifdef TRANSMISSION
+    next.skipped = GW_NO_TRIANGLE;
+#endif
+    return next;
 }

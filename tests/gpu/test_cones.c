@@ -53,6 +53,11 @@ static gw_scene *make_scene(int which) {
     }
     scene->materials[0].roughness = 1;
     scene->materials[0].metalness = 0;
+    /* What gloss reflects of the light from everywhere is not covered by cones: these surfaces have none. */
+    scene->extensions = malloc(sizeof *scene->extensions);
+    assert_non_null(scene->extensions);
+    scene->extensions[0] = gw_material_extension_none();
+    scene->extensions[0].specular = 0;
     return scene;
 }
 
@@ -74,10 +79,10 @@ static void leave(int which, gw_renderer **renderer) {
     gw_stage_close(&stages[which]);
 }
 
-/* Share of the light from everywhere that a pixel shows: what a dielectric mirrors of it is never covered. */
+/* Share of the light from everywhere that a pixel shows. */
 static double openness_of(const uint8_t *pixel) {
     const double light = gw_srgb_code_to_linear(pixel[1]) * pi / (double)ambient;
-    return (light - 0.04) / (double)albedo;
+    return light / (double)albedo;
 }
 
 static gw_ray ray_of_pixel(const gw_frame_block *block, uint32_t x, uint32_t y) {

@@ -227,7 +227,7 @@ static gw_code measure(peers *p, gw_error *error) {
     gw_bench *bench = p->bench;
     uint32_t repeats = bench->repeats ? bench->repeats : bench->quick ? 2 : 7;
     gw_renderer_options options = gw_bench_rendering(bench, 0);
-    options.forbid_features |= GW_FEATURE_SHADOWS | GW_FEATURE_MIRROR; /* the peer traces primary rays */
+    options.forbid_features |= GW_FEATURE_SHADOWS | GW_SECONDARY_FEATURES; /* the peer traces primary rays */
     gw_bench_path path = {.scene = bench->model.scene};
     gw_bench_ray_size(bench, path.size);
     gw_code code = gw_peer_create(bench->model.scene, &p->peer, error);

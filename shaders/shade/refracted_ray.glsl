@@ -38,9 +38,6 @@ Secondary_ray refracted_ray(Met met, Optics optics, vec3 tint) {
     precise float within = in_plane * met.growth - (1.0 - in_plane) * turn;
     precise float across = optics.eta * met.growth - (optics.cosine_beyond - optics.eta * optics.cosine) * turn;
     float growth = clamp(abs(within) > abs(across) ? within : across, -2.0, 2.0);
-#ifdef FLAT_GLASS
-    growth = met.growth; // the naive variant, for the test that shows why
-#endif
     Secondary_ray next;
     precise vec3 origin = met.start.place - direction * (BEFORE_SURFACE / sinking);
     bool sheet = !optics.boundary;

@@ -22,16 +22,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* mpirun needs its time to end what runs on other hosts, on machines with much else to do above all; killed
- * before it is done, it may leave a daemon there. For a host that does not answer it waits in vain. */
-enum {
-    GRACE_MS = 2000,
-    ANSWER_MS = 3000,
-    TERMINATION_MS = 15000,
-    POLL_MS = 200,
-    FINISH_S = 15,
-    ECHO_MS = 300
-};
+/* mpirun takes 2 s to end what runs on other hosts, and more on machines with much else to do; killed before
+ * it is done, it may leave a daemon there. */
+enum { GRACE_MS = 2000, TERMINATION_MS = 15000, POLL_MS = 200, FINISH_S = 15, ECHO_MS = 300 };
 
 /* --- starting
  * ---------------------------------------------------------------------------------------------------- */
@@ -304,18 +297,14 @@ static void watch(gw_launcher *l) {
 /* --- ending
  * ------------------------------------------------------------------------------------------------------ */
 
-static int ranks_gone(const gw_launcher *l) {
+static int all_gone(const gw_launcher *l) {
     for (uint32_t i = 0; i < l->tile_count; i++)
         if (l->ranks[i].line.socket >= 0 || l->restarts[i].child)
             return 0;
-    return 1;
+    return l->mpirun_ended;
 }
 
-static int all_gone(const gw_launcher *l) {
-    return ranks_gone(l) && l->mpirun_ended;
-}
-
-static void signal_ranks(gw_launcher *l, int number) {
+static void signal_all(gw_launcher *l, int number) {
     /* mpirun puts every rank in a process group of its own, so each is told by itself. A closed line means
      * that the rank is gone and its number perhaps somebody else's. One on another machine ends when its line
      * does. */
@@ -328,17 +317,13 @@ static void signal_ranks(gw_launcher *l, int number) {
         if (l->restarts[i].child)
             kill(-l->restarts[i].child, number);
     }
-}
-
-static void signal_all(gw_launcher *l, int number) {
-    signal_ranks(l, number);
     if (!l->mpirun_ended)
         kill(-l->mpirun, number);
 }
 
-static void wait_until(gw_launcher *l, int (*gone)(const gw_launcher *), int milliseconds) {
+static void wait_until_gone(gw_launcher *l, int milliseconds) {
     int64_t deadline = gw_now_ns() + milliseconds * INT64_C(1000000);
-    while (!gone(l) && gw_now_ns() < deadline)
+    while (!all_gone(l) && gw_now_ns() < deadline)
         step(l, 20);
 }
 
@@ -379,25 +364,17 @@ static void end_all(gw_launcher *l) {
         return;
     if (l->result->code == GW_ENDED_EARLY && gw_launcher_all_ready(l) && !l->mpirun_ended)
         tell_tiles(l);
-    /* mpirun follows the ranks of this machine by itself; with other hosts it has to be told. */
-    const int remote = l->plan->hosts->remote != 0;
-    int (*const gone)(const gw_launcher *) = remote ? ranks_gone : all_gone;
     /* After a good end the ranks leave by themselves, and a lost one has its grace time. */
     if (l->result->code == GW_OK || l->result->code == GW_TILES_LOST)
-        wait_until(l, gone, GRACE_MS);
-    if (!ranks_gone(l)) {
-        signal_ranks(l, SIGTERM);
-        wait_until(l, gone, remote ? ANSWER_MS : GRACE_MS);
-    }
+        wait_until_gone(l, GRACE_MS);
     if (!all_gone(l)) {
-        const int answered = ranks_gone(l);
         signal_all(l, SIGTERM);
-        wait_until(l, all_gone, remote && answered ? TERMINATION_MS : GRACE_MS);
+        wait_until_gone(l, l->plan->hosts->remote ? TERMINATION_MS : GRACE_MS);
     }
     if (!all_gone(l)) {
         gw_log_write(&l->console->log, GW_LOG_DEBUG, "ending what does not end by itself");
         signal_all(l, SIGKILL);
-        wait_until(l, all_gone, GRACE_MS);
+        wait_until_gone(l, GRACE_MS);
     }
     end_orphans();
     /* A rank that comes only now finds nobody, and leaves before it has made anything. */

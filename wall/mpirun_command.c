@@ -57,9 +57,8 @@ static void add_network(const gw_mpirun_plan *plan, gw_words *out) {
     gw_words_add(out, plan->hosts->remote ? "self,vader,tcp" : "self,vader");
     if (!plan->hosts->remote)
         return;
-    /* Every host is started from here and speaks to here, never by way of another that may die; a host that
-     * is cut off ends what it runs after 25 s instead of some minutes; and what is told to end was told by
-     * the launcher before: mpirun would give it another second, twice, on each host. */
+    /* Every host is started from here and speaks to here, never by way of another that may die; and a host
+     * that is cut off ends what it runs after 25 s instead of some minutes. */
     static const char *const direct[] = {"--mca",
                                          "plm_rsh_no_tree_spawn",
                                          "1", //
@@ -74,10 +73,7 @@ static void add_network(const gw_mpirun_plan *plan, gw_words *out) {
                                          "5", //
                                          "--mca",
                                          "oob_tcp_keepalive_probes",
-                                         "3", //
-                                         "--mca",
-                                         "odls_base_sigkill_timeout",
-                                         "0"};
+                                         "3"};
     ADD_ALL(out, direct);
     if (plan->agent) {
         static const char *const agent[] = {"--mca", "plm_rsh_agent"};

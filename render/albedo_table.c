@@ -111,3 +111,14 @@ void gw_sheen_table_fill(float table[GW_ALBEDO_SIDE][GW_ALBEDO_SIDE]) {
         for (int c = 0; c < GW_ALBEDO_SIDE; c++)
             table[r][c] = integrate_sheen(step(r), step(c) * step(c));
 }
+
+GLuint gw_albedo_table_texture(GLenum format, GLenum layout, const void *texels) {
+    GLuint texture = 0;
+    glCreateTextures(GL_TEXTURE_2D, 1, &texture);
+    glTextureStorage2D(texture, 1, format, GW_ALBEDO_SIDE, GW_ALBEDO_SIDE);
+    glTextureSubImage2D(texture, 0, 0, 0, GW_ALBEDO_SIDE, GW_ALBEDO_SIDE, layout, GL_FLOAT, texels);
+    glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    return texture;
+}

@@ -1,7 +1,9 @@
 /* How much light a rough surface reflects in all directions together, by roughness and angle of view: tables
- * that shading reads (shaders/shade/brdf.glsl). The same bits on every machine. Any thread. */
+ * that shading reads (shaders/shade/brdf.glsl). The same bits on every machine. Filling: any thread. */
 #ifndef GW_RENDER_ALBEDO_TABLE_H
 #define GW_RENDER_ALBEDO_TABLE_H
+
+#include <epoxy/gl.h>
 
 enum { GW_ALBEDO_SIDE = 32 };
 
@@ -15,5 +17,9 @@ void gw_albedo_table_fill(float table[GW_ALBEDO_SIDE][GW_ALBEDO_SIDE][2]);
 /* The same for sheen: Charlie's distribution (Estevez and Kulla, Production Friendly Microfacet Sheen BRDF,
  * 2017) with the visibility of Neubelt and Pettineo (2013), as KHR_materials_sheen has them. */
 void gw_sheen_table_fill(float table[GW_ALBEDO_SIDE][GW_ALBEDO_SIDE]);
+
+/* A filled table (GL_RG32F and GL_RG, or GL_R32F and GL_RED for sheen) as shading reads it. Belongs to the
+ * thread of the current GL context; the caller deletes it. */
+GLuint gw_albedo_table_texture(GLenum format, GLenum layout, const void *texels);
 
 #endif

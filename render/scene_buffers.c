@@ -125,17 +125,6 @@ static gw_code upload_materials(gw_gl *device, const gw_scene *scene, gw_scene_b
     return code;
 }
 
-static GLuint table_texture(GLenum format, GLenum layout, const void *texels) {
-    GLuint texture = 0;
-    glCreateTextures(GL_TEXTURE_2D, 1, &texture);
-    glTextureStorage2D(texture, 1, format, GW_ALBEDO_SIDE, GW_ALBEDO_SIDE);
-    glTextureSubImage2D(texture, 0, 0, 0, GW_ALBEDO_SIDE, GW_ALBEDO_SIDE, layout, GL_FLOAT, texels);
-    glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-    glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-    return texture;
-}
-
 static int has_sheen(const gw_scene *scene) {
     for (uint32_t i = 0; scene->extensions && i < scene->material_count; ++i)
         for (int c = 0; c < 3; ++c)
@@ -147,10 +136,10 @@ static int has_sheen(const gw_scene *scene) {
 static gw_code upload_tables(int sheen, gw_scene_buffers *out, gw_error *error) {
     float albedo[GW_ALBEDO_SIDE][GW_ALBEDO_SIDE][2], of_sheen[GW_ALBEDO_SIDE][GW_ALBEDO_SIDE];
     gw_albedo_table_fill(albedo);
-    out->albedo_table = table_texture(GL_RG32F, GL_RG, albedo);
+    out->albedo_table = gw_albedo_table_texture(GL_RG32F, GL_RG, albedo);
     if (sheen) {
         gw_sheen_table_fill(of_sheen);
-        out->sheen_table = table_texture(GL_R32F, GL_RED, of_sheen);
+        out->sheen_table = gw_albedo_table_texture(GL_R32F, GL_RED, of_sheen);
     }
     return gw_gl_check("uploading tables of reflection", error);
 }

@@ -6,24 +6,6 @@
 
 const float BEFORE_SURFACE = 1.0 / 65536.0; // as common/surface_offset.glsl
 
-// How far the normals of a triangle turn over a unit of it, on the mean; positive where it bulges towards its front.
-float signed_curvature_of(uint triangle) {
-    float curvature = 0.0;
-#ifdef SMOOTH_NORMALS
-    uvec4 face = texelFetch(faces, int(triangle));
-    uvec3 words = uvec3(texelFetch(vertices, int(face.x)).x, texelFetch(vertices, int(face.y)).x,
-                        texelFetch(vertices, int(face.z)).x);
-    for (int i = 0; i < 3; ++i) {
-        int next = i == 2 ? 0 : i + 1;
-        vec3 side = uintBitsToFloat(TRIANGLE(triangle, next).xyz) - uintBitsToFloat(TRIANGLE(triangle, i).xyz);
-        precise vec3 turn = vertex_normal(words[next]) - vertex_normal(words[i]);
-        curvature += dot(turn, side) / max(dot(side, side), 1e-24) * (1.0 / 3.0);
-    }
-    curvature = any(equal(words, uvec3(NO_NORMAL))) ? 0.0 : curvature;
-#endif
-    return curvature;
-}
-
 Secondary_ray refracted_ray(Met met, Optics optics, vec3 tint) {
     vec3 n = optics.normal;
     precise vec3 bent = optics.eta * met.direction + (optics.eta * optics.cosine - optics.cosine_beyond) * n;
@@ -32,7 +14,7 @@ Secondary_ray refracted_ray(Met met, Optics optics, vec3 tint) {
     precise vec3 direction = bent / max(length_precise(bent), 1e-6);
     float sinking = max(-dot(direction, met.start.normal), 1.0 / 64.0);
 
-    float turn = met.voxel ? 0.0 : signed_curvature_of(met.id) * met.width;
+    float turn = met.voxel ? 0.0 : curvature_of(met.id).y * met.width;
     turn = clamp(meets_back(met.id, met.direction) ? -turn : turn, -1.0, 1.0);
     precise float in_plane = optics.eta * optics.cosine / max(optics.cosine_beyond, 0.05);
     precise float within = in_plane * met.growth - (1.0 - in_plane) * turn;

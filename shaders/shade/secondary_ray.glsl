@@ -48,9 +48,10 @@ Met met_by(Pixel_ray ray, uint id, float t) {
     return met;
 }
 
-// How far the normals turn over a unit of the triangle, at most.
-float curvature_of(uint triangle) {
-    float curvature = 0.0;
+// How far the normals turn over a unit of the triangle: x at most, y on the mean along its sides, positive where it bulges towards
+// its front.
+vec2 curvature_of(uint triangle) {
+    vec2 curvature = vec2(0.0);
 #ifdef SMOOTH_NORMALS
     uvec4 face = texelFetch(faces, int(triangle));
     uvec3 words = uvec3(texelFetch(vertices, int(face.x)).x, texelFetch(vertices, int(face.y)).x,
@@ -59,11 +60,12 @@ float curvature_of(uint triangle) {
         int next = i == 2 ? 0 : i + 1;
         vec3 side = uintBitsToFloat(TRIANGLE(triangle, next).xyz) - uintBitsToFloat(TRIANGLE(triangle, i).xyz);
         precise vec3 turn = vertex_normal(words[next]) - vertex_normal(words[i]);
-        curvature = max(curvature, length_precise(turn) / max(length_precise(side), 1e-12));
+        curvature.x = max(curvature.x, length_precise(turn) / max(length_precise(side), 1e-12));
+        curvature.y += dot(turn, side) / max(dot(side, side), 1e-24) * (1.0 / 3.0);
     }
-    curvature = any(equal(words, uvec3(NO_NORMAL))) ? 0.0 : curvature;
+    curvature = any(equal(words, uvec3(NO_NORMAL))) ? vec2(0.0) : curvature;
 #ifdef FLAT_MIRRORS
-    curvature = 0.0; // the naive variant, for the test that shows why
+    curvature.x = 0.0; // the naive variant, for the test that shows why
 #endif
 #endif
     return curvature;
@@ -72,6 +74,6 @@ float curvature_of(uint triangle) {
 // How far the normals turn over the footprint. Normals of a voxel that agree by a turn at angles of about sqrt(2 (1 - a)) from
 // their mean.
 float turn_over(Met met) {
-    precise float turn = met.voxel ? sqrt(2.0 * (1.0 - met.start.agreement)) : curvature_of(met.id) * met.width;
+    precise float turn = met.voxel ? sqrt(2.0 * (1.0 - met.start.agreement)) : curvature_of(met.id).x * met.width;
     return turn;
 }

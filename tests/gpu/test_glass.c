@@ -323,27 +323,13 @@ static void open_stage(gw_stage *stage, gw_camera *camera, gw_scene *scene, cons
     gw_camera_look(camera, stage, from->eye, from->target, from->fov, SIDE);
 }
 
-static gw_renderer *renderer_of(const gw_stage *stage, const gw_renderer_options *options) {
-    gw_renderer *renderer = NULL;
-    check_ok(gw_renderer_create(stage->device, stage->scene, stage->octree, options, &renderer, &error));
-    return renderer;
-}
-
-static uint8_t *take(const gw_stage *stage, const gw_camera *camera, const gw_renderer_options *options,
-                     gw_counters *counters) {
-    gw_renderer *renderer = renderer_of(stage, options);
-    uint8_t *rgba = gw_camera_take(camera, renderer, counters);
-    gw_renderer_destroy(&renderer);
-    return rgba;
-}
-
 /* How many pixels of a scene with stripes are not as the oracle says. */
 static size_t wrong_of(const char *what, gw_scene *scene, const look *from, media in, const char *shaders) {
     gw_stage stage;
     gw_camera camera;
     gw_counters counters = {0};
     open_stage(&stage, &camera, scene, from, shaders);
-    uint8_t *rgba = take(&stage, &camera, NULL, &counters);
+    uint8_t *rgba = gw_stage_take(&stage, &camera, NULL, &counters);
     const size_t wrong = wrong_pixels(&stage, &camera, rgba, in);
     print_message("# %s: %zu of %d pixels off, %u rays\n", what, wrong, PIXELS,
                   (unsigned)counters.mirror_rays);
@@ -418,7 +404,7 @@ static void media_survive_coincident_faces(void **state) {
     const double over[3] = {1e-4, 0, 0};
     for (int i = 0; i < 3; ++i) {
         open_stage(&stage, &camera, aquarium(over[i]), &inside, i == 2 ? naive : NULL);
-        pictures[i] = take(&stage, &camera, NULL, NULL);
+        pictures[i] = gw_stage_take(&stage, &camera, NULL, NULL);
         gw_stage_close(&stage);
     }
     size_t off[2] = {0};
@@ -458,7 +444,7 @@ static void a_furnace_shows_nothing(void **state) {
         for (size_t i = 0; i < sizeof indices / sizeof indices[0]; ++i) {
             stage.scene->extensions[GLASS].ior = indices[i];
             gw_counters counters = {0};
-            uint8_t *rgba = take(&stage, &camera, NULL, &counters);
+            uint8_t *rgba = gw_stage_take(&stage, &camera, NULL, &counters);
             for (size_t p = 0; p < PIXELS; ++p)
                 assert_true(fabs(gw_srgb_code_to_linear(rgba[p * 4]) / light - 1) < 0.01);
             assert_true(counters.mirror_rays > PIXELS / 8);
@@ -475,17 +461,17 @@ static void however_it_is_drawn_pixels_are_the_same(void **state) {
     gw_camera camera;
     open_stage(&stage, &camera, aquarium(0), &before, NULL);
     camera.state.tau_inside = 2;
-    uint8_t *whole = take(&stage, &camera, NULL, NULL), *part = calloc(PIXELS, 4);
+    uint8_t *whole = gw_stage_take(&stage, &camera, NULL, NULL), *part = calloc(PIXELS, 4);
     assert_non_null(part);
     const gw_renderer_options ways[] = {
         {.count = 1}, {.loop_budget = 32}, {.force_features = GW_ALL_FEATURES}};
     for (size_t w = 0; w < sizeof ways / sizeof ways[0]; ++w) {
-        uint8_t *other = take(&stage, &camera, &ways[w], NULL);
+        uint8_t *other = gw_stage_take(&stage, &camera, &ways[w], NULL);
         if (memcmp(whole, other, PIXELS * 4))
             fail_msg("way %zu: other pixels", w);
         free(other);
     }
-    gw_renderer *renderer = renderer_of(&stage, NULL);
+    gw_renderer *renderer = gw_stage_renderer(&stage);
     static const gw_rectangle parts[] = {{0, 0, 11, 15}, {11, 3, 13, 21}};
     for (size_t p = 0; p < sizeof parts / sizeof parts[0]; ++p) {
         const gw_rectangle *r = &parts[p];
@@ -511,9 +497,9 @@ static double error_of_tau(const char *shaders) {
     gw_stage stage;
     gw_camera camera;
     open_stage(&stage, &camera, scene_of(&m, 1, 0.05, 0), &before, shaders);
-    uint8_t *exact = take(&stage, &camera, NULL, NULL);
+    uint8_t *exact = gw_stage_take(&stage, &camera, NULL, NULL);
     camera.state.tau_inside = 3;
-    uint8_t *coarse = take(&stage, &camera, NULL, NULL);
+    uint8_t *coarse = gw_stage_take(&stage, &camera, NULL, NULL);
     const double difference = gw_mean_difference(exact, coarse, PIXELS);
     free(exact);
     free(coarse);
@@ -566,7 +552,7 @@ static void sheets_cast_partial_shadows(void **state) {
         gw_stage stage;
         gw_camera camera;
         open_stage(&stage, &camera, scene, &down, NULL);
-        uint8_t *rgba = take(&stage, &camera, NULL, NULL);
+        uint8_t *rgba = gw_stage_take(&stage, &camera, NULL, NULL);
         light[sheets] = gw_srgb_code_to_linear(rgba[(PIXELS / 2 + SIDE / 2) * 4]);
         free(rgba);
         gw_stage_close(&stage);

@@ -60,20 +60,6 @@ static void look(gw_camera *camera, const gw_stage *stage, float tau) {
     camera->state.tau_inside = tau;
 }
 
-static gw_renderer *renderer_of(const gw_stage *stage, const gw_renderer_options *options) {
-    gw_renderer *renderer = NULL;
-    check_ok(gw_renderer_create(stage->device, stage->scene, stage->octree, options, &renderer, &error));
-    return renderer;
-}
-
-static uint8_t *take(const gw_stage *stage, const gw_camera *camera, const gw_renderer_options *options,
-                     gw_counters *counters) {
-    gw_renderer *renderer = renderer_of(stage, options);
-    uint8_t *rgba = gw_camera_take(camera, renderer, counters);
-    gw_renderer_destroy(&renderer);
-    return rgba;
-}
-
 static int furthest(const uint8_t *a, const uint8_t *b) {
     int most = 0;
     for (int c = 0; c < 3; ++c)
@@ -95,9 +81,10 @@ static void a_mirror_shows_the_mirrored_scene(void **state) {
         gw_camera camera;
         gw_counters counters = {0};
         look(&camera, &with, rows[r].tau);
-        uint8_t *a = take(&with, &camera, NULL, &counters), *without = take(&with, &camera, &dull, NULL);
+        uint8_t *a = gw_stage_take(&with, &camera, NULL, &counters),
+                *without = gw_stage_take(&with, &camera, &dull, NULL);
         look(&camera, &image, rows[r].tau);
-        uint8_t *b = take(&image, &camera, NULL, NULL);
+        uint8_t *b = gw_stage_take(&image, &camera, NULL, NULL);
         size_t seen = 0, off = 0;
         double mean = 0;
         for (size_t i = 0; i < PIXELS * 4; i += 4)
@@ -128,10 +115,10 @@ static double error_of_gaze(const char *shaders) {
     check_ok(gw_stage_open(&stage, room(1, 1), shaders,
                            (const char *const[]){"octree_depth=9", "sample_block=1", "tau=2", NULL}, &error));
     look(&camera, &stage, 0);
-    uint8_t *exact = take(&stage, &camera, NULL, NULL);
+    uint8_t *exact = gw_stage_take(&stage, &camera, NULL, NULL);
     gw_camera_gaze(&camera, SIDE / 2, SIDE / 2, 3.0);
     gw_counters counters = {0};
-    uint8_t *gazed = take(&stage, &camera, NULL, &counters);
+    uint8_t *gazed = gw_stage_take(&stage, &camera, NULL, &counters);
     double difference = gw_mean_difference(exact, gazed, PIXELS);
     assert_int_equal(counters.nan_pixels, 0);
     free(exact);
@@ -205,10 +192,10 @@ static double error_in_the_ball(const char *shaders) {
                            (const char *const[]){"octree_depth=7", NULL}, &error));
     gw_camera_look(&camera, &stage, (const double[]){0, 0, 3}, (const double[]){0, 0, 0}, 10, SIDE);
     gw_counters counters = {0};
-    uint8_t *one = take(&stage, &camera, NULL, &counters);
+    uint8_t *one = gw_stage_take(&stage, &camera, NULL, &counters);
     camera.state.samples = 4;
     camera.state.accumulate = 4;
-    uint8_t *many = take(&stage, &camera, NULL, NULL);
+    uint8_t *many = gw_stage_take(&stage, &camera, NULL, NULL);
     assert_true(counters.mirror_rays > PIXELS / 2);
     for (size_t i = 0; i < PIXELS * 4; ++i) {
         const double d = gw_srgb_code_to_linear(one[i]) - gw_srgb_code_to_linear(many[i]);
@@ -251,7 +238,7 @@ static void roughness_decides_what_is_a_mirror(void **state) {
             gw_counters counters = {0};
             look(&camera, &stage, (float)(4 * tau));
             camera.state.mirror_roughness = rows[i].limit;
-            free(take(&stage, &camera, NULL, &counters));
+            free(gw_stage_take(&stage, &camera, NULL, &counters));
             if (rows[i].mirrors)
                 assert_true(counters.mirror_rays > PIXELS / 8);
             else
@@ -275,7 +262,7 @@ static void however_it_is_drawn_pixels_are_the_same(void **state) {
     look(&camera, &stage, 0);
     gw_camera_gaze(&camera, SIDE / 3, SIDE / 2, 4.0);
     gw_counters counters = {0};
-    uint8_t *whole = take(&stage, &camera, NULL, NULL);
+    uint8_t *whole = gw_stage_take(&stage, &camera, NULL, NULL);
     static const struct {
         const char *what;
         gw_renderer_options options;
@@ -283,7 +270,7 @@ static void however_it_is_drawn_pixels_are_the_same(void **state) {
                 {"suspended", {.loop_budget = 32}},
                 {"all effects", {.force_features = GW_ALL_FEATURES}}};
     for (size_t w = 0; w < sizeof ways / sizeof ways[0]; ++w) {
-        uint8_t *other = take(&stage, &camera, &ways[w].options, w == 1 ? &counters : NULL);
+        uint8_t *other = gw_stage_take(&stage, &camera, &ways[w].options, w == 1 ? &counters : NULL);
         if (memcmp(whole, other, PIXELS * 4))
             fail_msg("%s: other pixels", ways[w].what);
         free(other);
@@ -291,7 +278,7 @@ static void however_it_is_drawn_pixels_are_the_same(void **state) {
     assert_true(counters.resumed > PIXELS);
     assert_true(counters.mirror_rays > PIXELS / 4 && counters.shadow_rays > counters.mirror_rays / 4);
 
-    gw_renderer *renderer = renderer_of(&stage, NULL);
+    gw_renderer *renderer = gw_stage_renderer(&stage);
     uint8_t *part = calloc(PIXELS, 4);
     assert_non_null(part);
     static const gw_rectangle parts[] = {{0, 0, 41, 57}, {41, 3, 55, 93}, {7, 57, 34, 39}};
@@ -311,7 +298,7 @@ static void however_it_is_drawn_pixels_are_the_same(void **state) {
         still.state.accumulate = n;
         check_ok(gw_camera_picture(&still, renderer, part, NULL, &error));
     }
-    uint8_t *at_once = take(&stage, &still, &ways[1].options, NULL);
+    uint8_t *at_once = gw_stage_take(&stage, &still, &ways[1].options, NULL);
     assert_memory_equal(part, at_once, PIXELS * 4);
     assert_memory_not_equal(part, whole, PIXELS * 4);
     free(at_once);
@@ -367,7 +354,7 @@ static void a_corridor_of_mirrors_ends(void **state) {
     check_ok(gw_stage_open(&stage, corridor((float)color), NULL,
                            (const char *const[]){"octree_depth=6", NULL}, &error));
     gw_camera_look(&camera, &stage, eye, (const double[]){-0.5, 0.1, 0.55}, 40, CORRIDOR);
-    gw_renderer *renderer = renderer_of(&stage, NULL);
+    gw_renderer *renderer = gw_stage_renderer(&stage);
     for (size_t b = 0; b < 4; ++b) {
         gw_counters counters = {0};
         camera.state.bounces = (uint8_t)bounces[b];
@@ -397,7 +384,7 @@ static void a_corridor_of_mirrors_ends(void **state) {
     camera.state.tau_inside = 1;
     uint8_t *whole = gw_camera_take(&camera, renderer, NULL);
     const gw_renderer_options short_of = {.loop_budget = 32};
-    uint8_t *suspended = take(&stage, &camera, &short_of, NULL);
+    uint8_t *suspended = gw_stage_take(&stage, &camera, &short_of, NULL);
     assert_memory_equal(whole, suspended, CORRIDOR * CORRIDOR * 4);
     for (size_t i = 0; i < CORRIDOR * CORRIDOR; ++i)
         assert_true(whole[i * 4] <= 225); /* 0.75 */
@@ -418,7 +405,7 @@ static void without_lights_and_mirrors_there_is_nothing(void **state) {
                            &error));
     look(&camera, &stage, 0);
     const gw_renderer_options forced = {.force_features = GW_FEATURE_MIRROR | GW_FEATURE_SHADOWS};
-    gw_renderer *plain = renderer_of(&stage, NULL), *more = renderer_of(&stage, &forced);
+    gw_renderer *plain = gw_stage_renderer(&stage), *more = gw_stage_renderer_with(&stage, &forced);
     gw_counters counters = {0};
     uint8_t *a = gw_camera_take(&camera, plain, &counters), *b = gw_camera_take(&camera, more, &counters);
     assert_memory_equal(a, b, PIXELS * 4);

@@ -71,17 +71,6 @@ static const char kernel[] =
     "    results[i] = vec2(white, sum / float(DRAWS));\n"
     "}\n";
 
-static GLuint table_texture(GLenum format, GLenum layout, const void *texels) {
-    GLuint texture = 0;
-    glCreateTextures(GL_TEXTURE_2D, 1, &texture);
-    glTextureStorage2D(texture, 1, format, GW_ALBEDO_SIDE, GW_ALBEDO_SIDE);
-    glTextureSubImage2D(texture, 0, 0, 0, GW_ALBEDO_SIDE, GW_ALBEDO_SIDE, layout, GL_FLOAT, texels);
-    glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-    glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-    return texture;
-}
-
 /* All cases with one line defined before shade/brdf.glsl. */
 static void burn(const char *define, float results[CASES][2]) {
     static float albedo[GW_ALBEDO_SIDE][GW_ALBEDO_SIDE][2], sheen[GW_ALBEDO_SIDE][GW_ALBEDO_SIDE];
@@ -95,7 +84,8 @@ static void burn(const char *define, float results[CASES][2]) {
     check_ok(gw_gl_create(&(gw_gl_options){.shader_folder = folder}, &device, &error));
     gw_albedo_table_fill(albedo);
     gw_sheen_table_fill(sheen);
-    GLuint textures[2] = {table_texture(GL_RG32F, GL_RG, albedo), table_texture(GL_R32F, GL_RED, sheen)};
+    GLuint textures[2] = {gw_albedo_table_texture(GL_RG32F, GL_RG, albedo),
+                          gw_albedo_table_texture(GL_R32F, GL_RED, sheen)};
     glBindTextureUnit(19, textures[0]);
     glBindTextureUnit(24, textures[1]);
     check_ok(gw_gl_buffer_create(device, "results", sizeof(float[CASES][2]), NULL, 0, &buffer, &error));

@@ -119,11 +119,23 @@ uint8_t *gw_camera_take(const gw_camera *camera, gw_renderer *renderer, gw_count
     return rgba;
 }
 
-gw_renderer *gw_stage_renderer(const gw_stage *stage) {
+gw_renderer *gw_stage_renderer_with(const gw_stage *stage, const gw_renderer_options *options) {
     gw_error error = {0};
     gw_renderer *renderer = NULL;
-    must(gw_renderer_create(stage->device, stage->scene, stage->octree, NULL, &renderer, &error), &error);
+    must(gw_renderer_create(stage->device, stage->scene, stage->octree, options, &renderer, &error), &error);
     return renderer;
+}
+
+gw_renderer *gw_stage_renderer(const gw_stage *stage) {
+    return gw_stage_renderer_with(stage, NULL);
+}
+
+uint8_t *gw_stage_take(const gw_stage *stage, const gw_camera *camera, const gw_renderer_options *options,
+                       gw_counters *counters) {
+    gw_renderer *renderer = gw_stage_renderer_with(stage, options);
+    uint8_t *rgba = gw_camera_take(camera, renderer, counters);
+    gw_renderer_destroy(&renderer);
+    return rgba;
 }
 
 const char *gw_naive_shaders(char path[512], const char *folder, const char *file, const char *define) {

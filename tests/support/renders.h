@@ -44,6 +44,11 @@ gw_code gw_camera_picture(const gw_camera *camera, gw_renderer *renderer, uint8_
 /* The same for tests that end when it fails: a picture to be freed, a renderer to be destroyed. */
 uint8_t *gw_camera_take(const gw_camera *camera, gw_renderer *renderer, gw_counters *counters);
 gw_renderer *gw_stage_renderer(const gw_stage *stage);
+/* With options, which may be NULL. */
+gw_renderer *gw_stage_renderer_with(const gw_stage *stage, const gw_renderer_options *options);
+/* A picture by a renderer of its own. */
+uint8_t *gw_stage_take(const gw_stage *stage, const gw_camera *camera, const gw_renderer_options *options,
+                       gw_counters *counters);
 
 /* The embedded shaders in a folder of this name, "#define NAME 1" before one of them ("blend/opacity.glsl"):
  * naive variants for tests that show why the shipped one is another. Returns path, the folder. */

@@ -1,13 +1,13 @@
 #include "wall/triple.h"
 
 #include "base/memory.h"
-#include "base/portable_math.h"
 #include "render/acuity_filter.h"
 #include "render/flip.h"
 #include "render/frame_block.h"
-#include "render/vector3.h"
+#include "render/metrics.h"
 #include "wall/picture.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 enum { PARTS = 4 };
@@ -31,16 +31,6 @@ static gw_frame_state exact_state(const gw_frame_state *state) {
     exact.accumulate = 1;
     exact.epoch = 0;
     return exact;
-}
-
-/* At the picture's middle. */
-static double density_of(const gw_triple_view *view, const gw_image *picture) {
-    double along[3];
-    for (int k = 0; k < 3; k++)
-        along[k] = view->plane->corner[k] + 0.5 * picture->width * view->plane->step_x[k] +
-                   0.5 * picture->height * view->plane->step_y[k] - view->state->eye[k];
-    double pitch = sqrt(gw_dot(view->plane->step_x, view->plane->step_x));
-    return fmin(fmax(sqrt(gw_dot(along, along)) * tan(GW_PI / 180) / pitch, 1), 1000);
 }
 
 /* 0..1 as black, red, yellow, white. */
@@ -110,7 +100,8 @@ gw_code gw_triple_write(const gw_triple_view *view, const gw_image *approximate,
     triple t = {.view = view, .gazed = view->state->gaze_count > 0};
     const gw_frame_state state = exact_state(view->state);
     const gw_rectangle all = {.width = approximate->width, .height = approximate->height};
-    t.pixels_per_degree = density_of(view, approximate);
+    t.pixels_per_degree =
+        gw_pixels_per_degree(view->plane, view->state->eye, approximate->width, approximate->height);
     t.parts[0] = &t.exact;
     t.parts[1] = approximate;
     t.parts[2] = &t.difference;

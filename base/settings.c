@@ -27,7 +27,7 @@ const size_t gw_setting_count = sizeof gw_setting_rows / sizeof gw_setting_rows[
 
 enum { ROWS = sizeof gw_setting_rows / sizeof gw_setting_rows[0] };
 
-static void store(gw_settings *settings, const gw_setting_row *row, double value) {
+void gw_setting_store(gw_settings *settings, const gw_setting_row *row, double value) {
     char *field = (char *)settings + row->offset;
     if (row->kind == GW_SETTING_REAL) {
         memcpy(field, &value, sizeof value);
@@ -40,7 +40,7 @@ static void store(gw_settings *settings, const gw_setting_row *row, double value
 void gw_settings_init(gw_settings *settings) {
     memset(settings, 0, sizeof *settings);
     for (size_t i = 0; i < ROWS; i++) {
-        store(settings, &gw_setting_rows[i], gw_setting_rows[i].initial);
+        gw_setting_store(settings, &gw_setting_rows[i], gw_setting_rows[i].initial);
     }
 }
 
@@ -197,6 +197,6 @@ gw_code gw_settings_assign(gw_settings *settings, const char *assignment, gw_err
             return code;
         }
     }
-    store(settings, row, value);
+    gw_setting_store(settings, row, value);
     return GW_OK;
 }

@@ -231,6 +231,7 @@ void gw_settings_init(gw_settings *settings); /* every field at its default */
 gw_code gw_settings_assign(gw_settings *settings, const char *assignment, gw_error *error);
 
 double gw_setting_value(const gw_settings *settings, const gw_setting_row *row);
+void gw_setting_store(gw_settings *settings, const gw_setting_row *row, double value); /* in its range */
 /* The value as --set takes it: "1", "0.022", "hybrid", "on". */
 void gw_setting_text(const gw_settings *settings, const gw_setting_row *row, char text[64]);
 

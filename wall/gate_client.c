@@ -100,7 +100,9 @@ static gw_code listen(gw_gate_client *client, gw_error *error) {
         if (result == GW_WIRE_BROKEN || !gw_release_check(&release, size))
             return gw_fail(error, GW_ENDED_EARLY, "rank 0 was lost: the line to it broke");
         client->heard = gw_now_ns();
-        client->allowed = release.silence_ms * millisecond;
+        /* It may quit as soon as it has an answer whose sending has not been seen to end here. */
+        client->allowed =
+            (release.kind == GW_RELEASE_QUIT ? LEAVE_MS : (int64_t)release.silence_ms) * millisecond;
         if (release.kind == GW_RELEASE_PONG) {
             if (release.echo && release.echo == client->beat && client->beat_out) {
                 client->beat_out = 0;

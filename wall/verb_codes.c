@@ -54,7 +54,7 @@ static error_t parse_codes(int key, char *argument, struct argp_state *state) {
         o->bezels = 1;
         break;
     case ARGP_KEY_ARG:
-        code = o->picture ? gw_stray_argument(argument, o->error) : GW_OK;
+        code = o->picture ? gw_fail(o->error, GW_BAD_INPUT, "'%s' is one picture too many", argument) : GW_OK;
         o->picture = argument;
         break;
     default:

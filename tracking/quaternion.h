@@ -5,10 +5,10 @@
 
 #include <math.h>
 
-/* out = the turn `first` followed by the turn `second`; out may be either. */
-static inline void gw_turn_after(const double second[4], const double first[4], double out[4]) {
-    const double a = second[0], b = second[1], c = second[2], d = second[3];
-    const double x = first[0], y = first[1], z = first[2], w = first[3];
+/* out = the turn `earlier` followed by the turn `later`; out may be either. */
+static inline void gw_turn_after(const double later[4], const double earlier[4], double out[4]) {
+    const double a = later[0], b = later[1], c = later[2], d = later[3];
+    const double x = earlier[0], y = earlier[1], z = earlier[2], w = earlier[3];
     out[0] = d * x + a * w + b * z - c * y;
     out[1] = d * y - a * z + b * w + c * x;
     out[2] = d * z + a * y - b * x + c * w;

@@ -102,8 +102,9 @@ static inline double angle_between(const double a[4], const double b[4]) {
 static const char *const every_filter[][2] = {
     {NULL, NULL}, {"head_filter=one-euro", NULL}, {"head_filter=kalman", NULL}};
 
-/* mm, the newest head sample that has been taken. */
+/* mm, the newest head sample that has been taken; one must have been. */
 static inline void newest_sample(const scene *s, double out[3]) {
+    out[0] = out[1] = out[2] = NAN;
     for (size_t i = s->taken; i-- > 0;)
         if (s->events[i].sensor == 0) {
             for (int k = 0; k < 3; k++)

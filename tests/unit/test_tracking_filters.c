@@ -271,20 +271,20 @@ static double saccade_at(double amplitude, double time) {
     return amplitude * t * t * t * (10 - 15 * t + 6 * t * t);
 }
 
-typedef struct seen {
+typedef struct sight {
     uint32_t saccades;
     double begin, end;             /* s of the clock */
     double behind, worst_filtered; /* deg, of the filter and of one that knows no saccades, after landing */
     double covered, uncovered; /* deg by which the ellipsoid of 6 held the gaze of 20 ms later at worst, with
                                   the widening and without it */
-} seen;
+} sight;
 
-static seen look(double amplitude, double rate, double noise, uint64_t *seed) {
+static sight look(double amplitude, double rate, double noise, uint64_t *seed) {
     const gw_gaze_tuning tuning = {1, {2, 0.02}, 70, 30}, blind = {1, {2, 0.02}, 0, 30};
     gw_gaze_filter f, plain;
     gw_gaze_filter_begin(&f, &tuning);
     gw_gaze_filter_begin(&plain, &blind);
-    seen out = {0, 0, 0, 0, 0, 1000, 1000};
+    sight out = {0, 0, 0, 0, 0, 1000, 1000};
     const double landing = 1 + 0.021 + 0.0022 * amplitude;
     for (int i = 0; i < 2 * rate; i++) {
         const double time = i / rate, truth = saccade_at(amplitude, time),
@@ -319,7 +319,7 @@ static void saccades_are_found_and_not_filtered(void **state) {
             uint64_t seed = 100 * r + a;
             print_message("# seed %llu, %g degrees at %g Hz\n", (unsigned long long)seed, amplitudes[a],
                           rates[r]);
-            const seen s = look(amplitudes[a], rates[r], 0.1, &seed);
+            const sight s = look(amplitudes[a], rates[r], 0.1, &seed);
             const double landing = 1 + 0.021 + 0.0022 * amplitudes[a];
             assert_int_equal(s.saccades, 1);
             assert_true(s.begin > 1 && s.begin < 1.03 + 1 / rates[r]);

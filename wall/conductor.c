@@ -100,6 +100,10 @@ static void promise(struct gw_rank *rank, int64_t patience, double pixels) {
     gw_link_promise(&rank->line, (double)patience * 1e-9 + 10 + 3e-6 * pixels);
 }
 
+static double wall_pixels(const struct gw_rank *rank) {
+    return (double)rank->site.layout.picture[0] * rank->site.layout.picture[1];
+}
+
 /* A tile that could not draw. In lock-step that ends the run, because the others would fail the same way. */
 static gw_code note_failure(gw_conductor *conductor, const struct gw_rank *rank, uint32_t tile,
                             const gw_done *done, gw_error *error) {
@@ -210,62 +214,81 @@ static void note_latency(gw_conductor *conductor, const struct gw_rank *rank, ui
     conductor->ahead_ms[frame % GW_USUAL_FRAMES] = whole + 500 / refresh;
 }
 
-static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_t frame, int64_t start,
-                          int *last, gw_error *error) {
+/* What the frame shows, and what is wanted of it: nothing is released yet. */
+static gw_code decide_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_t frame, gw_release *out,
+                            gw_error *error) {
     gw_pilot_poll(conductor->pilot, frame);
-    *last = is_last(conductor, rank, frame);
-    gw_release release = {.kind = GW_RELEASE_FRAME, .last = (uint32_t)*last};
-    release.pixels = (uint32_t)gw_conductor_wants_pixels(conductor, rank, *last);
+    const int last = is_last(conductor, rank, frame);
+    *out = (gw_release){.kind = GW_RELEASE_FRAME,
+                        .last = (uint32_t)last,
+                        .pixels = (uint32_t)gw_conductor_wants_pixels(conductor, rank, last),
+                        .predict = last || rank->options.out || gw_budget_is_on(&conductor->budget)};
     gw_code code = gw_conductor_reload(conductor, rank, frame, error);
-    if (code)
-        return code;
-    release.predict = release.last || rank->options.out || gw_budget_is_on(&conductor->budget);
-    code = gw_conductor_make_state(conductor, rank, frame, &release.state, error);
+    if (!code)
+        code = gw_conductor_make_state(conductor, rank, frame, &out->state, error);
     if (frame)
-        release.latency = conductor->latencies[gw_kept(conductor, frame - 1)];
-    conductor->states[gw_kept(conductor, frame)] = release.state;
-    int64_t begin = gw_now_ns();
-    if (code)
-        return code;
+        out->latency = conductor->latencies[gw_kept(conductor, frame - 1)];
+    conductor->states[gw_kept(conductor, frame)] = out->state;
+    return code;
+}
+
+/* Every tile draws, this one too, and is waited for as long as its patience lasts. */
+static void run_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_t frame, gw_release *release,
+                      gw_done *own) {
+    const int64_t begin = gw_now_ns();
     if (conductor->serve)
-        gw_serve_frame(conductor->serve, &release.state);
-    gw_gate_release(conductor->gate, &release);
+        gw_serve_frame(conductor->serve, &release->state);
+    gw_gate_release(conductor->gate, release);
     gw_rank_time(rank, GW_LANE_GATE, begin);
     present(conductor, rank);
-    static gw_done own;
     const gw_patience patience = patience_of(conductor, rank, frame);
-    const double wall = (double)rank->site.layout.picture[0] * rank->site.layout.picture[1];
-    promise(rank, patience.death, wall);
-    gw_rank_draw(rank, &release, &own);
-    promise(rank, patience.death, wall);
+    promise(rank, patience.death, wall_pixels(rank));
+    gw_rank_draw(rank, release, own);
+    promise(rank, patience.death, wall_pixels(rank));
     const int64_t drawn = gw_now_ns();
     gw_gate_collect(conductor->gate, &patience);
     gw_rank_time(rank, GW_LANE_WAIT, drawn);
-    int64_t end = gw_now_ns();
-    conductor->milliseconds[gw_kept(conductor, frame)] = (double)(end - begin) * 1e-6;
+    conductor->milliseconds[gw_kept(conductor, frame)] = (double)(gw_now_ns() - begin) * 1e-6;
+}
 
+/* Counts, decides the next frame's budget, writes and shows what came. start: when the run began, ns. */
+static gw_code finish_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_t frame, int64_t start,
+                            gw_release *release, const gw_done *own, gw_error *error) {
+    const double presented = (double)(gw_now_ns() - start) * 1e-6;
     const uint8_t *pixels[GW_MAXIMUM_TILES], *shown[GW_MAXIMUM_TILES];
     const gw_done *done[GW_MAXIMUM_TILES];
     gw_counters sum;
     double slowest = 0;
-    code = add_up(conductor, rank, &own, frame, pixels, done, &sum, &slowest, error);
+    gw_code code = add_up(conductor, rank, own, frame, pixels, done, &sum, &slowest, error);
     if (code)
         return code;
     conductor->slowest_ms = slowest;
     note_latency(conductor, rank, frame, slowest);
     gw_counters_add(&conductor->counters, &sum);
     if (gw_budget_is_on(&conductor->budget))
-        gw_budget_decide(&conductor->budget, &release.state);
+        gw_budget_decide(&conductor->budget, &release->state);
     if (conductor->rows)
-        gw_conductor_write_row(conductor, frame, &sum, (double)(end - start) * 1e-6, slowest);
-    promise(rank, 0, 4 * wall);
-    code = gw_conductor_show(conductor, rank, &release, done, pixels, shown, error);
-    const gw_pilot_facts facts = {.state = &release.state,
+        gw_conductor_write_row(conductor, frame, &sum, presented, slowest);
+    promise(rank, 0, 4 * wall_pixels(rank));
+    code = gw_conductor_show(conductor, rank, release, done, pixels, shown, error);
+    const gw_pilot_facts facts = {.state = &release->state,
                                   .pixels = shown,
                                   .lost = lost_tiles(conductor, rank),
-                                  .milliseconds = (double)(end - begin) * 1e-6,
+                                  .milliseconds = conductor->milliseconds[gw_kept(conductor, frame)],
                                   .rays = sum.rays};
     return code ? code : gw_pilot_show(conductor->pilot, &facts, error);
+}
+
+static gw_code draw_frame(gw_conductor *conductor, struct gw_rank *rank, uint32_t frame, int64_t start,
+                          int *last, gw_error *error) {
+    static gw_done own;
+    gw_release release;
+    gw_code code = decide_frame(conductor, rank, frame, &release, error);
+    if (code)
+        return code;
+    *last = (int)release.last;
+    run_frame(conductor, rank, frame, &release, &own);
+    return finish_frame(conductor, rank, frame, start, &release, &own, error);
 }
 
 /* --- after the last frame

@@ -98,6 +98,19 @@ gw_code gw_renderer_count_rays(gw_renderer *renderer, const gw_similarity *place
                                const gw_rectangle *rectangle, const gw_frame_state *state, uint64_t *rays,
                                gw_error *error);
 
+/* What the rays of a frame's pixels met, for metrics: one ray through the middle of each pixel under the
+ * state's tau and gazes, whatever sample_block and samples say. Nothing is lit: mirrors and glass are
+ * surfaces, normals are those of the vertices. NULL arrays are left out. */
+typedef struct gw_geometry {
+    uint32_t *ids;  /* [height][width] triangle, or node with bit 31, of what weighs most along the ray;
+                       GW_NO_TRIANGLE where less than half of it met anything */
+    float *depths;  /* [height][width] mm of wall space from the eye */
+    float *normals; /* [height][width][3] unit, rebased space */
+} gw_geometry;
+gw_code gw_renderer_geometry(gw_renderer *renderer, const gw_similarity *placement, const gw_plane *plane,
+                             const gw_rectangle *rectangle, const gw_frame_state *state,
+                             const gw_geometry *out, gw_error *error);
+
 /* Rays for oracles and benches, in rebased space; directions need not be unit, t is in units of the
  * direction. */
 typedef struct gw_ray {

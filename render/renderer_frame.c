@@ -7,6 +7,7 @@
 #include "base/portable_math.h"
 #include "render/frame_block.h"
 
+#include <math.h>
 #include <string.h>
 
 static int64_t block_of(int64_t pixel) {
@@ -369,6 +370,38 @@ gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement,
     if (counters)
         gw_counters_add(counters, &job.counters);
     return GW_OK;
+}
+
+/* One ray through the middle of every pixel, with the footprint and the tau that the frame has there, and of
+ * the features only those that decide what is met. */
+gw_code gw_renderer_geometry(gw_renderer *renderer, const gw_similarity *placement, const gw_plane *plane,
+                             const gw_rectangle *rectangle, const gw_frame_state *given,
+                             const gw_geometry *out, gw_error *error) {
+    gw_frame_state state = gw_frame_state_in_force(given);
+    state.sample_block = state.samples = state.bounces = state.cones = state.diffuse_bounce = 0;
+    state.accumulate = 0;
+    state.epoch = 0;
+    state.debug = GW_DEBUG_NONE;
+    gw_frame_job job = {.renderer = renderer,
+                        .rays = &renderer->rays,
+                        .shadows = &renderer->shadows,
+                        .rectangle = rectangle,
+                        .state = &state,
+                        .geometry = out,
+                        .unit = ldexp(placement->scale, renderer->scene->exponent)};
+    gw_code code = begin_frame(&job, placement, plane, &state, error);
+    if (code)
+        return code;
+    job.key.features &= GW_GEOMETRY_FEATURES;
+    job.key.data_classes = 0;
+    job.key.count = job.key.voxel_emission = 0;
+    job.key.guides = 1;
+    gw_scene_buffers_bind(&renderer->buffers, state.texture_filter);
+    code = begin_variant(&job, error);
+    if (!code)
+        code = visit_chunks(&job, gw_frame_geometry, error);
+    gw_gl_variant_end(renderer->device);
+    return code ? gw_context(error, "geometry of frame %u", state.frame) : GW_OK;
 }
 
 gw_code gw_renderer_count_rays(gw_renderer *renderer, const gw_similarity *placement, const gw_plane *plane,

@@ -181,6 +181,11 @@ enum { GW_SAMPLE_BYTES = 4 + 16 + 16, GW_SAMPLE_PIXEL_BYTES = 4 + 14 + 2 };
 /* With more lights than that which cast shadows, chunks are smaller in proportion. */
 enum { GW_CHUNK_LIGHTS = 4 };
 
+/* What decides what a ray of a pixel meets, and how that faces. */
+#define GW_GEOMETRY_FEATURES                                                                                 \
+    (GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_ALPHA | GW_FEATURE_TEXTURES | GW_FEATURE_SQUARE_TEXELS |  \
+     GW_FEATURE_SMOOTH_NORMALS | GW_NEEDED_FEATURES)
+
 /* A frame under way. */
 typedef struct gw_frame_job {
     gw_renderer *renderer;
@@ -201,6 +206,8 @@ typedef struct gw_frame_job {
     uint32_t first_sample, end_sample; /* of a still view: those to be drawn; 0 and 1 without accumulation */
     size_t chunk;                      /* number of the present one */
     uint8_t *rgba;
+    const gw_geometry *geometry; /* of gw_renderer_geometry(): where it goes; mm of a rebased unit */
+    double unit;
     gw_counters counters;
 } gw_frame_job;
 
@@ -216,6 +223,8 @@ gw_code gw_frame_batch(gw_frame_job *job, size_t slots, gw_error *error);
  * in samples.pixels then. */
 gw_code gw_frame_list_samples(gw_frame_job *job, gw_error *error);
 gw_code gw_frame_samples(gw_frame_job *job, size_t pixel_slots, gw_error *error);
+/* renderer_geometry.c: what a chunk's rays met, to where the job wants it. */
+gw_code gw_frame_geometry(gw_frame_job *job, size_t block_count, gw_error *error);
 /* Rays that a pixel of a block may take, whether the block is coarse or not. */
 uint32_t gw_most_rays_of_pixel(const gw_frame_block *block);
 /* Only lists them, and adds to the job's rays how many there are. */

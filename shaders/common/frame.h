@@ -144,7 +144,8 @@ GW_STRUCT_END(gw_gpu_light)
 // first, then the lowest id, so that faces doubled with opposite winding show the side that was made for the viewer.
 #define GW_HIT_BACK 0x80000000u
 // What a sample met, for edge-aware reconstruction (uvec4): id, as of a fragment, of what weighs most along the ray, or
-// GW_NO_TRIANGLE; bits of its t; its normal, packSnorm4x8; bits of its weight.
+// GW_NO_TRIANGLE; bits of its t; its normal, packSnorm4x8; bits of its weight. Of rays of pixels, for those who measure: the
+// normal on an octahedron, packSnorm2x16; bits of the share of the ray that met something.
 
 // Status of a ray: fragments written by the last dispatch (bits 0-7) and flags.
 #define GW_STATUS_COUNT(status) ((status) & 0xffu)

@@ -7,3 +7,10 @@ vec3 octahedral_decode(vec2 p) {
     v.y += v.y >= 0.0 ? -fold : fold;
     return normalize(v);
 }
+
+// Of a unit vector.
+vec2 octahedral_encode(vec3 n) {
+    precise vec2 p = n.xy / max(abs(n.x) + abs(n.y) + abs(n.z), 1e-30);
+    precise vec2 folded = (1.0 - abs(p.yx)) * vec2(p.x >= 0.0 ? 1.0 : -1.0, p.y >= 0.0 ? 1.0 : -1.0);
+    return n.z >= 0.0 ? p : folded;
+}

@@ -4,6 +4,7 @@
 // variants: OCTREE_DEPTH=11; OCTREE_DEPTH=11 LOD=1 GAZE=1 TEXTURES=1 TEXTURE_CLASSES=4 SMOOTH_NORMALS=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 ACCUMULATE=1 TONE=1 EXPOSURE=1 DITHER=1 METERING=1; OCTREE_DEPTH=11 ALPHA=1 RESUME=1 VERTEX_COLORS=1 EMISSIVE=1 POINT_LIGHTS=1 DIRECTIONAL_LIGHTS=1 COUNT=1
 // variants: OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 GUIDES=1 EMISSIVE=1 VOXEL_EMISSION=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 LOD=1 GAZE=1 GUIDES=1 RESUME=1 FRAGMENTS=8u; OCTREE_DEPTH=11 UNTIL_COARSE=1 GUIDES=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=8; OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=9; OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=10
 // variants: OCTREE_DEPTH=11 LOD=1 GAZE=1 SHADOWS=1 POINT_LIGHTS=1 DIRECTIONAL_LIGHTS=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 UNTIL_COARSE=1 SHADOWS=1 SPOT_LIGHTS=1 AREA_LIGHTS=1 ENVIRONMENT=1 ALPHA=1 FRAGMENTS=8u
@@ -53,6 +54,12 @@ layout(std430, binding = 28) buffer Media { uvec2 media_of[]; }; // of rays, by 
 #endif
 #ifdef GUIDES
 layout(std430, binding = 21) buffer Guides { uvec4 guides[]; };
+#ifdef SPARSE
+#define GUIDE_NORMAL(normal) packSnorm4x8(vec4(normal, 0.0))
+#else // for those who measure, of rays of pixels: finer, and in the end how much of the ray met something
+#include "common/octahedral.glsl"
+#define GUIDE_NORMAL(normal) packSnorm2x16(octahedral_encode(normal))
+#endif
 #endif
 #ifdef RESUME
 layout(location = 0) uniform uint queue_length;
@@ -178,7 +185,7 @@ void main() {
 #endif
 #ifdef GUIDES
         if (weight > uintBitsToFloat(guide.w))
-            guide = uvec4(id, floatBitsToUint(t), packSnorm4x8(vec4(surface.normal, 0.0)), floatBitsToUint(weight));
+            guide = uvec4(id, floatBitsToUint(t), GUIDE_NORMAL(surface.normal), floatBitsToUint(weight));
 #endif
 #ifdef COUNT
         count_material(id);
@@ -217,6 +224,9 @@ void main() {
         next_queue[atomicAdd(totals[2], 1u)] = slot;
         return;
     }
+#if defined(GUIDES) && !defined(SPARSE)
+    guides[slot].w = floatBitsToUint(1.0 - left);
+#endif
     vec3 background = radiance_behind(ray);
 #if defined(CONES) && defined(REFLECTED)
     left = open_share(ray, sum, left);

@@ -24,10 +24,17 @@ static const double to_xyz[3][3] = {{10135552.0 / 24577794, 8788810.0 / 24577794
                                     {2613072.0 / 12288897, 8788810.0 / 12288897, 887015.0 / 12288897},
                                     {1425312.0 / 73733382, 8788810.0 / 73733382, 70074185.0 / 73733382}};
 
+/* All filters of FLIP are products of a function of x and one of y, so they run along rows and then along
+ * columns. */
 typedef struct kernel {
     int radius;
-    double *weights; /* [2 radius + 1][2 radius + 1] */
+    double *weights; /* [2 radius + 1] */
 } kernel;
+
+/* Along rows: four Gaussians, two for the third channel, a Gaussian for features, its first and its second
+ * derivative. */
+enum { SENSITIVITY, FEATURE = 4, EDGES, POINTS, KERNELS };
+static const int channel_of[KERNELS] = {0, 1, 2, 2, 0, 0, 0};
 
 /* A picture as three planes. */
 typedef struct planes {
@@ -111,51 +118,49 @@ static double redistribute(double error, double largest) {
  * ----------------------------------------------------------------------------------------------------- */
 
 static gw_code make_kernel(int radius, kernel *out, gw_error *error) {
-    size_t side = 2 * (size_t)radius + 1;
     out->radius = radius;
-    return gw_allocate((void **)&out->weights, side * side, sizeof *out->weights, "filter", error);
+    return gw_allocate((void **)&out->weights, 2 * (size_t)radius + 1, sizeof *out->weights, "filter", error);
 }
 
-static double *weight(const kernel *k, int x, int y) {
-    return &k->weights[(y + k->radius) * (2 * k->radius + 1) + x + k->radius];
-}
-
-static gw_code sensitivity_kernel(int channel, double pixels_per_degree, kernel *out, gw_error *error) {
-    int radius = (int)ceil(3 * sqrt(widest_gaussian / (2 * GW_PI * GW_PI)) * pixels_per_degree);
-    double sum = 0;
-    gw_code code = make_kernel(radius, out, error);
-    for (int y = -radius; !code && y <= radius; ++y)
-        for (int x = -radius; x <= radius; ++x) {
-            double square = (x * x + y * y) / (pixels_per_degree * pixels_per_degree), value = 0;
-            for (int i = 0; i < 2; ++i) {
-                const double *g = sensitivity[channel][i];
-                value += g[0] * sqrt(GW_PI / g[1]) * exp(-GW_PI * GW_PI * square / g[1]);
-            }
-            *weight(out, x, y) = value;
-            sum += value;
+static gw_code sensitivity_kernels(double pixels_per_degree, kernel *out, double shares[4], gw_error *error) {
+    const int radius = (int)ceil(3 * sqrt(widest_gaussian / (2 * GW_PI * GW_PI)) * pixels_per_degree);
+    gw_code code = GW_OK;
+    for (int i = 0; !code && i < 4; ++i) {
+        const double *g = sensitivity[channel_of[i]][i == 3];
+        double sum = 0;
+        code = make_kernel(radius, &out[i], error);
+        for (int x = -radius; !code && x <= radius; ++x) {
+            const double away = x / pixels_per_degree;
+            sum += out[i].weights[x + radius] = exp(-GW_PI * GW_PI * away * away / g[1]);
         }
-    for (int y = -radius; !code && y <= radius; ++y)
-        for (int x = -radius; x <= radius; ++x)
-            *weight(out, x, y) /= sum;
+        for (int x = 0; !code && x <= 2 * radius; ++x)
+            out[i].weights[x] /= sum;
+        shares[i] = g[0] * sqrt(GW_PI / g[1]) * sum * sum;
+    }
+    const double both = shares[2] + shares[3];
+    shares[0] = shares[1] = 1;
+    shares[2] /= both;
+    shares[3] /= both;
     return code;
 }
 
-/* First (edges) or second (points) derivative of a Gaussian along x; its positive weights sum to 1, its
- * negative ones to -1. */
-static gw_code feature_kernel(int points, double pixels_per_degree, kernel *out, gw_error *error) {
-    double deviation = 0.5 * feature_width * pixels_per_degree, positive = 0, negative = 0;
-    int radius = (int)ceil(3 * deviation);
+/* A Gaussian of sum 1, or its first (edges) or second (points) derivative, whose positive weights sum to 1
+ * and whose negative ones to -1. */
+static gw_code feature_kernel(int derivative, double pixels_per_degree, kernel *out, gw_error *error) {
+    const double deviation = 0.5 * feature_width * pixels_per_degree;
+    const int radius = (int)ceil(3 * deviation);
+    double positive = 0, negative = 0;
     gw_code code = make_kernel(radius, out, error);
-    for (int y = -radius; !code && y <= radius; ++y)
-        for (int x = -radius; x <= radius; ++x) {
-            double gaussian = exp(-(x * x + y * y) / (2 * deviation * deviation));
-            double value = (points ? x * x / (deviation * deviation) - 1 : -x) * gaussian;
-            *weight(out, x, y) = value;
-            *(value > 0 ? &positive : &negative) += fabs(value);
-        }
-    for (int y = -radius; !code && y <= radius; ++y)
-        for (int x = -radius; x <= radius; ++x)
-            *weight(out, x, y) /= *weight(out, x, y) > 0 ? positive : negative;
+    for (int x = -radius; !code && x <= radius; ++x) {
+        const double scaled = x / deviation, gaussian = exp(-scaled * scaled / 2);
+        const double value = derivative == 0   ? gaussian
+                             : derivative == 1 ? -x * gaussian
+                                               : (scaled * scaled - 1) * gaussian;
+        out->weights[x + radius] = value;
+        *(value > 0 ? &positive : &negative) += fabs(value);
+    }
+    for (int x = 0; !code && x <= 2 * radius; ++x)
+        out->weights[x] /= out->weights[x] > 0 ? positive : negative;
     return code;
 }
 
@@ -163,16 +168,18 @@ static int clamped(int value, int size) {
     return value < 0 ? 0 : value >= size ? size - 1 : value;
 }
 
-/* One pixel of a plane under the kernel, or under the kernel turned so that x and y change places; beyond the
- * border the border's pixels go on. */
-static double filtered(const planes *p, int channel, const kernel *k, int x, int y, int turned) {
-    double sum = 0;
-    for (int v = -k->radius; v <= k->radius; ++v) {
-        const float *row = p->values[channel] + (size_t)clamped(y + v, p->height) * (size_t)p->width;
-        for (int u = -k->radius; u <= k->radius; ++u)
-            sum += (turned ? *weight(k, v, u) : *weight(k, u, v)) * (double)row[clamped(x + u, p->width)];
+/* Every kernel's sums along row y of a picture; beyond the border the border's pixels go on. */
+static void filter_row(const planes *p, const kernel *kernels, int y, double *out) {
+    for (int k = 0; k < KERNELS; ++k) {
+        const float *row = p->values[channel_of[k]] + (size_t)y * (size_t)p->width;
+        const int radius = kernels[k].radius;
+        for (int x = 0; x < p->width; ++x) {
+            double sum = 0;
+            for (int u = -radius; u <= radius; ++u)
+                sum += kernels[k].weights[u + radius] * (double)row[clamped(x + u, p->width)];
+            out[k * p->width + x] = sum;
+        }
     }
-    return sum;
 }
 
 /* --- both pipelines
@@ -199,16 +206,32 @@ static gw_code make_planes(const gw_image *image, planes *out, gw_error *error) 
 
 typedef struct evaluation {
     planes pictures[2];
-    kernel sensitivities[3], edges, points;
+    kernel kernels[KERNELS];
+    double shares[4]; /* of the Gaussians in their channels */
+    int ring;         /* rows of sums that are kept: those of the tallest kernel */
+    double *rows[2];  /* [ring][KERNELS][width] of each picture */
     double from_xyz[3][3], largest;
 } evaluation;
 
+/* Sums of `across` along columns by `down`, at a pixel. */
+static double filtered(const evaluation *e, int which, int across, int down, int x, int y) {
+    const planes *p = &e->pictures[which];
+    const kernel *k = &e->kernels[down];
+    double sum = 0;
+    for (int v = -k->radius; v <= k->radius; ++v) {
+        const int row = clamped(y + v, p->height) % e->ring;
+        sum += k->weights[v + k->radius] *
+               e->rows[which][((size_t)row * KERNELS + (size_t)across) * (size_t)p->width + (size_t)x];
+    }
+    return sum;
+}
+
 /* What the eye makes of a pixel: the blurred colour in Hunt-adjusted L*a*b*. */
 static void seen(const evaluation *e, int which, int x, int y, double out[3]) {
-    double opponent[3], xyz[3], rgb[3], w[3];
+    double opponent[3] = {0, 0, 0}, xyz[3], rgb[3], w[3];
     white(w);
-    for (int c = 0; c < 3; ++c)
-        opponent[c] = filtered(&e->pictures[which], c, &e->sensitivities[c], x, y, 0);
+    for (int i = 0; i < 4; ++i)
+        opponent[channel_of[i]] += e->shares[i] * filtered(e, which, SENSITIVITY + i, SENSITIVITY + i, x, y);
     double luminance = (opponent[0] + 16) / 116;
     xyz[0] = (opponent[1] / 500 + luminance) * w[0];
     xyz[1] = luminance * w[1];
@@ -220,9 +243,8 @@ static void seen(const evaluation *e, int which, int x, int y, double out[3]) {
 }
 
 /* Strength of edges or points, of lightness scaled to 0..1. */
-static double feature(const evaluation *e, int which, const kernel *k, int x, int y) {
-    return hypot(filtered(&e->pictures[which], 0, k, x, y, 0), filtered(&e->pictures[which], 0, k, x, y, 1)) /
-           116;
+static double feature(const evaluation *e, int which, int kind, int x, int y) {
+    return hypot(filtered(e, which, kind, FEATURE, x, y), filtered(e, which, FEATURE, kind, x, y)) / 116;
 }
 
 static double flip_at(const evaluation *e, int x, int y) {
@@ -230,8 +252,8 @@ static double flip_at(const evaluation *e, int x, int y) {
     seen(e, 0, x, y, a);
     seen(e, 1, x, y, b);
     double color = redistribute(pow(hyab(a, b), color_exponent), e->largest);
-    double edges = fabs(feature(e, 0, &e->edges, x, y) - feature(e, 1, &e->edges, x, y));
-    double points = fabs(feature(e, 0, &e->points, x, y) - feature(e, 1, &e->points, x, y));
+    double edges = fabs(feature(e, 0, EDGES, x, y) - feature(e, 1, EDGES, x, y));
+    double points = fabs(feature(e, 0, POINTS, x, y) - feature(e, 1, POINTS, x, y));
     double features = pow(fmin(fmax(edges, points) / sqrt(2), 1), feature_exponent);
     return pow(color, 1 - features);
 }
@@ -241,25 +263,37 @@ static gw_code prepare(evaluation *e, const gw_image *reference, const gw_image 
     gw_code code = make_planes(reference, &e->pictures[0], error);
     if (!code)
         code = make_planes(test, &e->pictures[1], error);
-    for (int c = 0; !code && c < 3; ++c)
-        code = sensitivity_kernel(c, pixels_per_degree, &e->sensitivities[c], error);
     if (!code)
-        code = feature_kernel(0, pixels_per_degree, &e->edges, error);
-    if (!code)
-        code = feature_kernel(1, pixels_per_degree, &e->points, error);
+        code = sensitivity_kernels(pixels_per_degree, &e->kernels[SENSITIVITY], e->shares, error);
+    for (int i = 0; !code && i < 3; ++i)
+        code = feature_kernel(i, pixels_per_degree, &e->kernels[FEATURE + i], error);
+    for (int k = 0; k < KERNELS; ++k)
+        e->ring = 2 * e->kernels[k].radius + 1 > e->ring ? 2 * e->kernels[k].radius + 1 : e->ring;
+    for (int i = 0; !code && i < 2; ++i)
+        code = gw_allocate((void **)&e->rows[i], (size_t)e->ring * KERNELS * (size_t)e->pictures[i].width,
+                           sizeof **e->rows, "filtered rows", error);
     invert(to_xyz, e->from_xyz);
     e->largest = largest_error();
     return code;
 }
 
 static void finish(evaluation *e) {
-    for (int c = 0; c < 3; ++c) {
-        free(e->pictures[0].values[c]);
-        free(e->pictures[1].values[c]);
-        free(e->sensitivities[c].weights);
+    for (int i = 0; i < 2; ++i) {
+        for (int c = 0; c < 3; ++c)
+            free(e->pictures[i].values[c]);
+        free(e->rows[i]);
     }
-    free(e->edges.weights);
-    free(e->points.weights);
+    for (int k = 0; k < KERNELS; ++k)
+        free(e->kernels[k].weights);
+}
+
+/* Rows of both pictures up to where the ring has all that row y needs. */
+static void filter_rows(evaluation *e, int y, int *done) {
+    const int radius = e->ring / 2, height = e->pictures[0].height;
+    for (; *done < height && *done <= y + radius; ++*done)
+        for (int i = 0; i < 2; ++i)
+            filter_row(&e->pictures[i], e->kernels, *done,
+                       e->rows[i] + (size_t)(*done % e->ring) * KERNELS * (size_t)e->pictures[i].width);
 }
 
 gw_code gw_flip(const gw_image *reference, const gw_image *test, double pixels_per_degree, float *map,
@@ -273,13 +307,16 @@ gw_code gw_flip(const gw_image *reference, const gw_image *test, double pixels_p
     memset(&e, 0, sizeof e);
     gw_code code = prepare(&e, reference, test, pixels_per_degree, error);
     double sum = 0;
-    for (int y = 0; !code && y < e.pictures[0].height; ++y)
+    int done = 0;
+    for (int y = 0; !code && y < e.pictures[0].height; ++y) {
+        filter_rows(&e, y, &done);
         for (int x = 0; x < e.pictures[0].width; ++x) {
             double value = flip_at(&e, x, y);
             sum += value;
             if (map)
                 map[(size_t)y * reference->width + (size_t)x] = (float)value;
         }
+    }
     *mean = sum / ((double)reference->width * reference->height);
     finish(&e);
     return code;

@@ -381,20 +381,36 @@ gw_code gw_yaml_expect(const gw_yaml_node *node, gw_yaml_kind kind, const char *
     return GW_OK;
 }
 
+/* "a, b, c": as many as fit. */
+static const char *list_names(const char *const *names, size_t count, char text[400]) {
+    size_t used = 0;
+    text[0] = 0;
+    for (size_t i = 0; i < count; i++) {
+        const size_t length = strlen(names[i]);
+        if (used + length + 8 > 400) {
+            memcpy(text + used, ", ...", 6);
+            break;
+        }
+        used += (size_t)snprintf(text + used, 400 - used, "%s%s", i ? ", " : "", names[i]);
+    }
+    return text;
+}
+
 gw_code gw_yaml_check_keys(const gw_yaml_node *map, const char *const *names, size_t count, gw_error *error) {
     gw_code code = gw_yaml_expect(map, GW_YAML_MAP, "top level", error);
     for (size_t i = 0; i < map->count && !code; i++) {
-        const char *key = map->keys[i]->text;
+        const char *key = map->keys[i]->text, *nearest;
+        char text[400];
         size_t known = 0;
-        while (known < count && strcmp(names[known], key) != 0) {
+        while (known < count && strcmp(names[known], key) != 0)
             known++;
-        }
-        if (known == count) {
-            const char *nearest = gw_suggest(key, names, count);
-            code = nearest ? gw_yaml_fail(map->keys[i], error, "key '%.60s' is unknown; did you mean '%s'?",
-                                          key, nearest)
-                           : gw_yaml_fail(map->keys[i], error, "key '%.60s' is unknown here", key);
-        }
+        if (known < count)
+            continue;
+        nearest = gw_suggest(key, names, count);
+        code = nearest ? gw_yaml_fail(map->keys[i], error, "key '%.60s' is unknown; did you mean '%s'?", key,
+                                      nearest)
+                       : gw_yaml_fail(map->keys[i], error, "key '%.60s' is unknown here; known are: %s", key,
+                                      list_names(names, count, text));
     }
     return code;
 }

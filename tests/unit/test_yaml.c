@@ -128,7 +128,13 @@ static void unknown_keys_name_the_nearest(void **state) {
     gw_yaml_destroy(&document);
     check_ok(parse("models: 1\n\nweather: 2\n", &document, &error));
     check_fails(gw_yaml_check_keys(gw_yaml_root(document), known, 3, &error), GW_BAD_INPUT,
-                "x.yaml:3: key 'weather' is unknown here");
+                "x.yaml:3: key 'weather' is unknown here; known are: models, lights, viewpoints");
+    /* So many that the sentence would be a page. */
+    const char *many[100];
+    for (size_t i = 0; i < 100; i++)
+        many[i] = "a_name_of_twenty_one_";
+    check_fails(gw_yaml_check_keys(gw_yaml_root(document), many, 100, &error), GW_BAD_INPUT,
+                "a_name_of_twenty_one_, ...");
     gw_yaml_destroy(&document);
     check_ok(parse("[1]\n", &document, &error));
     check_fails(gw_yaml_check_keys(gw_yaml_root(document), known, 3, &error), GW_BAD_INPUT, "expected a map");

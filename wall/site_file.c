@@ -218,19 +218,39 @@ gw_code gw_site_parse(const char *text, size_t size, const char *name, gw_site *
     return code;
 }
 
-/* A site inside the program: configs/sites/NAME.yaml by its name alone. */
+/* --- sites inside the program: configs/sites/NAME.yaml by its name alone */
+
+static const char SITES[] = "configs/sites/";
+enum { SITE_NAME = 64 };
+
 static const gw_embedded_file *find_embedded(const char *path) {
-    char name[128];
-    if (gw_file_exists(path) || strlen(path) > 64)
+    char name[sizeof SITES + SITE_NAME + 8];
+    if (gw_file_exists(path) || strlen(path) > SITE_NAME)
         return NULL;
-    snprintf(name, sizeof name, "configs/sites/%s.yaml", path);
+    snprintf(name, sizeof name, "%s%s.yaml", SITES, path);
     return gw_embedded_find(name);
+}
+
+/* A bare word that is no file was meant as one of these. */
+static gw_code no_such_site(const char *word, gw_error *error) {
+    char names[512] = "";
+    size_t used = 0;
+    for (size_t i = 0; i < gw_embedded_count && used + SITE_NAME < sizeof names; i++) {
+        const char *own = gw_embedded_files[i].name + sizeof SITES - 1;
+        if (!strncmp(gw_embedded_files[i].name, SITES, sizeof SITES - 1))
+            used += (size_t)snprintf(names + used, sizeof names - used, "%s%.*s", used ? ", " : "",
+                                     (int)strcspn(own, "."), own);
+    }
+    return gw_fail(error, GW_BAD_INPUT,
+                   "%s: there is no such file, nor a site of this program; those are: %s", word, names);
 }
 
 gw_code gw_site_load_noting(const char *path, gw_site *out, gw_site_notes *notes, gw_error *error) {
     const gw_embedded_file *embedded = find_embedded(path);
     if (embedded)
         return gw_site_parse((const char *)embedded->data, embedded->size, path, out, notes, error);
+    if (!gw_file_exists(path) && !strpbrk(path, "/."))
+        return no_such_site(path, error);
     gw_yaml *document = NULL;
     memset(notes, 0, sizeof *notes);
     gw_code code = gw_yaml_load(path, &document, error);

@@ -423,6 +423,9 @@ static void printed_corners_give_the_same_bits(void **state) {
         check_ok(gw_site_load(shipped[i], &site, &error)); /* from inside the program */
         assert_same_again(&site);
     }
+    check_fails(gw_site_load("7x5", &site, &error), GW_BAD_INPUT,
+                "7x5: there is no such file, nor a site of this program; those are: 2x2, 35-panels, ");
+    check_fails(gw_site_load("./7x5", &site, &error), GW_BAD_INPUT, "./7x5: cannot be opened");
     /* Sizes and angles of no round number. */
     uint32_t seed = 1, refused = 0;
     for (int round = 0; round < 300; round++) {

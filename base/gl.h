@@ -44,6 +44,17 @@ typedef struct gw_gl_options {
  * this thread. */
 gw_code gw_gl_create(const gw_gl_options *options, gw_gl **out, gw_error *error);
 void gw_gl_destroy(gw_gl **device); /* accepts NULL and a NULL device */
+
+/* A second device beside `with`, whose buffers, textures and programs it may use, for another thread: made
+ * and destroyed on the thread of `with`, before which it is destroyed; between the two, current on that other
+ * thread from take to leave. Has no log. What it made itself can be deleted by either. GW_MACHINE where the
+ * driver shares nothing. */
+gw_code gw_gl_create_shared(gw_gl *with, gw_gl **out, gw_error *error);
+gw_code gw_gl_take(gw_gl *device, gw_error *error);
+void gw_gl_leave(gw_gl *device);
+/* From any thread: it compiles nothing more; whatever would need it fails with GW_INTERRUPTED. */
+void gw_gl_stop_compiling(gw_gl *device);
+
 const gw_gl_limits *gw_gl_limits_of(const gw_gl *device);
 const gw_log *gw_gl_log(const gw_gl *device);
 gw_window *gw_gl_window(const gw_gl *device); /* the one it owns, or NULL */
@@ -94,6 +105,11 @@ typedef struct gw_gl_variant_counts {
     uint64_t programs, deleted; /* programs of the device that are alive; those deleted so far */
 } gw_gl_variant_counts;
 gw_gl_variant_counts gw_gl_variant_counts_of(const gw_gl *device);
+int gw_gl_variant_lives(const gw_gl *device, gw_hash key);
+/* Programs of a variant that a device which shares objects has made, and done with: those that this one lacks
+ * become its own, in the variant of that key; it may take another's place. Nobody else may use `from`
+ * meanwhile. */
+gw_code gw_gl_variant_adopt(gw_gl *device, gw_gl *from, gw_hash key, gw_error *error);
 /* The programs that were compiled so far, and are alive, by index: 0 past the last. */
 int gw_gl_program_at(const gw_gl *device, size_t index, const char **name, const char **defines);
 /* The assembled text that gw_gl_program would compile; free() it. */

@@ -84,6 +84,7 @@ gw_code gw_gl_create(const gw_gl_options *options, gw_gl **out, gw_error *error)
     device->variant = -1;
     device->context = EGL_NO_CONTEXT;
     device->log = options ? options->log : NULL;
+    device->debug = options && options->debug;
     gw_code code = GW_OK;
     if (options && options->shader_folder) {
         device->shader_folder = gw_copy_text(options->shader_folder);
@@ -125,6 +126,45 @@ void gw_gl_destroy(gw_gl **device) {
     free(gone->named);
     free(gone);
     *device = NULL;
+}
+
+gw_code gw_gl_create_shared(gw_gl *with, gw_gl **out, gw_error *error) {
+    *out = NULL;
+    gw_gl *device = calloc(1, sizeof *device);
+    if (!device)
+        return gw_fail(error, GW_MACHINE, "not enough memory for a second GL device");
+    device->display = EGL_NO_DISPLAY;
+    device->context = EGL_NO_CONTEXT;
+    device->shared = 1;
+    device->variant = -1;
+    device->limits = with->limits;
+    gw_code code = GW_OK;
+    if (with->shader_folder && !(device->shader_folder = gw_copy_text(with->shader_folder)))
+        code = gw_fail(error, GW_MACHINE, "not enough memory for a second GL device");
+    if (!code)
+        code = with->window ? gw_window_share(with->window, &device->window, error)
+                            : gw_gl_egl_share(with, device, error);
+    if (code) {
+        gw_gl_destroy(&device);
+        return code;
+    }
+    *out = device;
+    return GW_OK;
+}
+
+gw_code gw_gl_take(gw_gl *device, gw_error *error) {
+    return device->window ? gw_window_take(device->window, error) : gw_gl_egl_take(device, error);
+}
+
+void gw_gl_leave(gw_gl *device) {
+    if (device->window)
+        gw_window_leave();
+    else
+        gw_gl_egl_leave(device);
+}
+
+void gw_gl_stop_compiling(gw_gl *device) {
+    atomic_store(&device->stopped, 1);
 }
 
 const gw_gl_limits *gw_gl_limits_of(const gw_gl *device) {

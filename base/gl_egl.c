@@ -49,6 +49,27 @@ static const char *egl_error_text(void) {
     }
 }
 
+/* The last pair asks that a reset of the GPU be told; a driver that cannot is asked again without. */
+static EGLContext create_context(EGLDisplay display, EGLContext share, int debug) {
+    EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
+                           4,
+                           EGL_CONTEXT_MINOR_VERSION,
+                           5,
+                           EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                           EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                           EGL_CONTEXT_FLAGS_KHR,
+                           debug ? EGL_CONTEXT_OPENGL_DEBUG_BIT_KHR : 0,
+                           EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY_KHR,
+                           EGL_LOSE_CONTEXT_ON_RESET_KHR,
+                           EGL_NONE};
+    EGLContext context = eglCreateContext(display, EGL_NO_CONFIG_KHR, share, attributes);
+    if (context == EGL_NO_CONTEXT) {
+        attributes[sizeof attributes / sizeof attributes[0] - 3] = EGL_NONE;
+        context = eglCreateContext(display, EGL_NO_CONFIG_KHR, share, attributes);
+    }
+    return context;
+}
+
 /* Makes a context on a display and makes it current; 1 on success. */
 static int try_display(gw_gl *device, EGLDisplay display, const char *what, int debug, attempts *tried) {
     if (display == EGL_NO_DISPLAY) {
@@ -71,23 +92,7 @@ static int try_display(gw_gl *device, EGLDisplay display, const char *what, int 
         note_attempt(tried, "; %s: no desktop OpenGL", what);
         return 0;
     }
-    /* The last pair asks that a reset of the GPU be told; a driver that cannot is asked again without. */
-    EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
-                           4,
-                           EGL_CONTEXT_MINOR_VERSION,
-                           5,
-                           EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                           EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                           EGL_CONTEXT_FLAGS_KHR,
-                           debug ? EGL_CONTEXT_OPENGL_DEBUG_BIT_KHR : 0,
-                           EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY_KHR,
-                           EGL_LOSE_CONTEXT_ON_RESET_KHR,
-                           EGL_NONE};
-    EGLContext context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
-    if (context == EGL_NO_CONTEXT) {
-        attributes[sizeof attributes / sizeof attributes[0] - 3] = EGL_NONE;
-        context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
-    }
+    EGLContext context = create_context(display, EGL_NO_CONTEXT, debug);
     if (context == EGL_NO_CONTEXT) {
         note_attempt(tried, "; %s: %s", what, egl_error_text());
         return 0;
@@ -180,10 +185,31 @@ gw_code gw_gl_egl_open(gw_gl *device, int debug, const int32_t *gpu, gw_error *e
     return GW_OK;
 }
 
+gw_code gw_gl_egl_share(const gw_gl *with, gw_gl *device, gw_error *error) {
+    device->display = with->display;
+    device->context = create_context(with->display, with->context, with->debug);
+    return device->context == EGL_NO_CONTEXT
+               ? gw_fail(error, GW_MACHINE, "no second GL context beside the first: %s", egl_error_text())
+               : GW_OK;
+}
+
+gw_code gw_gl_egl_take(gw_gl *device, gw_error *error) {
+    if (!eglBindAPI(EGL_OPENGL_API) ||
+        !eglMakeCurrent(device->display, EGL_NO_SURFACE, EGL_NO_SURFACE, device->context))
+        return gw_fail(error, GW_MACHINE, "the GL context cannot be used on this thread: %s",
+                       egl_error_text());
+    return GW_OK;
+}
+
+void gw_gl_egl_leave(gw_gl *device) {
+    eglMakeCurrent(device->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+}
+
 void gw_gl_egl_close(gw_gl *device) {
     if (device->context == EGL_NO_CONTEXT)
         return;
-    eglMakeCurrent(device->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    if (!device->shared) /* else the other thread has left it */
+        gw_gl_egl_leave(device);
     eglDestroyContext(device->display, device->context);
 }
 

@@ -5,6 +5,7 @@
 #include "base/gl.h"
 
 #include <epoxy/egl.h>
+#include <stdatomic.h>
 
 /* A compiled program, found again by name and defines. */
 typedef struct gw_gl_cached_program {
@@ -44,6 +45,8 @@ struct gw_gl {
     EGLDisplay display;
     EGLContext context; /* without a window, else EGL_NO_CONTEXT */
     gw_window *window;  /* whose context it is, or NULL */
+    int debug, shared;  /* shared: objects are those of another device, on another thread */
+    atomic_int stopped; /* of gw_gl_stop_compiling() */
     gw_gl_limits limits;
     const gw_log *log;
     char *shader_folder; /* NULL: embedded */
@@ -65,8 +68,17 @@ struct gw_gl {
 gw_code gw_gl_egl_open(gw_gl *device, int debug, const int32_t *gpu, gw_error *error);
 void gw_gl_egl_close(gw_gl *device);
 
+/* The same, sharing objects with `with`; it is made current nowhere. */
+gw_code gw_gl_egl_share(const gw_gl *with, gw_gl *device, gw_error *error);
+gw_code gw_gl_egl_take(gw_gl *device, gw_error *error);
+void gw_gl_egl_leave(gw_gl *device);
+
 /* Deletes all programs and frees the cache. */
 void gw_gl_programs_finish(gw_gl *device);
+void gw_gl_program_free(const gw_gl_cached_program *program);
+/* gl_variant.c: whoever uses a program within a variant keeps it alive as long as the variant; outside, for
+ * good. made: 1 if it was compiled just now. */
+void gw_gl_variant_mark(const gw_gl *device, gw_gl_cached_program *program, int made);
 
 /* Storage for at least `size` bytes: idle storage of its class if there is some, or new. *id is 0
  * when the GPU has no room. */

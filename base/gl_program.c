@@ -18,7 +18,7 @@ static void pulse(const gw_gl *device, double silence) {
         device->pulse(device->pulse_context, silence);
 }
 
-static void free_program(const gw_gl_cached_program *program) {
+void gw_gl_program_free(const gw_gl_cached_program *program) {
     glDeleteProgram(program->id);
     free(program->name);
     free(program->defines);
@@ -26,7 +26,7 @@ static void free_program(const gw_gl_cached_program *program) {
 
 void gw_gl_programs_finish(gw_gl *device) {
     for (size_t i = 0; i < device->program_count; i++) {
-        free_program(&device->programs[i]);
+        gw_gl_program_free(&device->programs[i]);
     }
     free(device->programs);
     device->programs = NULL;
@@ -120,61 +120,6 @@ static gw_code link_program(gw_gl *device, const program_stage *stages, size_t c
     return GW_OK;
 }
 
-/* Whoever uses a program within a variant keeps it alive as long as the variant; outside, for good. */
-static void mark(const gw_gl *device, gw_gl_cached_program *program, int made) {
-    if (device->variant < 0)
-        program->variants = 0;
-    else if (made || program->variants)
-        program->variants |= UINT32_C(1) << device->variant;
-}
-
-static void delete_variant(gw_gl *device, int place) {
-    const uint32_t bit = UINT32_C(1) << place;
-    size_t kept = 0;
-    for (size_t i = 0; i < device->program_count; i++) {
-        gw_gl_cached_program *program = &device->programs[i];
-        if (program->variants == bit) {
-            free_program(program);
-            device->programs_deleted++;
-            continue;
-        }
-        program->variants &= ~bit;
-        device->programs[kept++] = *program;
-    }
-    device->program_count = kept;
-}
-
-void gw_gl_variant_begin(gw_gl *device, gw_hash key) {
-    int place = 0;
-    for (int i = 0; i < GW_GL_VARIANTS; i++) {
-        const gw_gl_variant *variant = &device->variants[i];
-        if (variant->begun && gw_hash_equal(variant->key, key)) {
-            place = i;
-            break;
-        }
-        if (variant->begun < device->variants[place].begun)
-            place = i;
-    }
-    gw_gl_variant *variant = &device->variants[place];
-    if (variant->begun && !gw_hash_equal(variant->key, key))
-        delete_variant(device, place);
-    variant->key = key;
-    variant->begun = ++device->variants_begun;
-    device->variant = place;
-}
-
-void gw_gl_variant_end(gw_gl *device) {
-    device->variant = -1;
-}
-
-gw_gl_variant_counts gw_gl_variant_counts_of(const gw_gl *device) {
-    gw_gl_variant_counts counts = {.programs = device->program_count, .deleted = device->programs_deleted};
-    for (int i = 0; i < GW_GL_VARIANTS; i++) {
-        counts.alive += device->variants[i].begun > 0;
-    }
-    return counts;
-}
-
 /* Remembers a program; the cache owns it from here on. */
 static gw_code remember(gw_gl *device, const char *name, const char *defines, GLuint id, gw_error *error) {
     void *programs = device->programs;
@@ -190,7 +135,7 @@ static gw_code remember(gw_gl *device, const char *name, const char *defines, GL
         free(entry.defines);
         return gw_fail(error, GW_MACHINE, "not enough memory to keep program %s", name);
     }
-    mark(device, &entry, 1);
+    gw_gl_variant_mark(device, &entry, 1);
     device->programs[device->program_count++] = entry;
     return GW_OK;
 }
@@ -203,10 +148,12 @@ static gw_code find_program(gw_gl *device, const program_stage *stages, size_t c
     for (size_t i = 0; i < device->program_count; i++) {
         if (strcmp(device->programs[i].name, name) == 0 && strcmp(device->programs[i].defines, key) == 0) {
             *out = device->programs[i].id;
-            mark(device, &device->programs[i], 0);
+            gw_gl_variant_mark(device, &device->programs[i], 0);
             return GW_OK;
         }
     }
+    if (atomic_load(&device->stopped))
+        return gw_fail(error, GW_INTERRUPTED, "%s is not compiled any more", name);
     int64_t start = gw_now_ns();
     GLuint program = 0;
     pulse(device, compile_patience);

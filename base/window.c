@@ -20,6 +20,7 @@ static const int64_t settling_ns = 2000000000;
 
 struct gw_window {
     GLFWwindow *handle;
+    int wish; /* how its context was asked for */
     const gw_log *log;
     gw_window_wake wake;
     gw_event events[MAXIMUM_EVENTS]; /* since the last poll */
@@ -223,6 +224,7 @@ static gw_code make(gw_window *window, const gw_window_options *options, const g
             glfwWindowHint(GLFW_REFRESH_RATE, monitor->refresh);
         window->handle =
             glfwCreateWindow(size[0], size[1], options->title, monitor ? monitor->handle : NULL, NULL);
+        window->wish = i;
         if (!window->handle)
             snprintf(tried[i], sizeof tried[i], "%s", reason());
     }
@@ -302,6 +304,33 @@ gw_code gw_window_create(const gw_window_options *options, gw_window **out, gw_e
                  options->monitor ? options->monitor : "", options->wait ? 1 : 0);
     *out = window;
     return GW_OK;
+}
+
+gw_code gw_window_share(const gw_window *window, gw_window **out, gw_error *error) {
+    const gw_window_options unseen = {.placed = 1};
+    *out = NULL;
+    gw_window *made = calloc(1, sizeof *made);
+    if (!made)
+        return gw_fail(error, GW_MACHINE, "not enough memory for a second GL context");
+    hint(&unseen, &wishes[window->wish]);
+    made->handle = glfwCreateWindow(1, 1, "Gazewall kernels", NULL, window->handle);
+    if (!made->handle) {
+        free(made);
+        return gw_fail(error, GW_MACHINE, "no second GL context beside the window's: %s", reason());
+    }
+    *out = made;
+    return GW_OK;
+}
+
+gw_code gw_window_take(gw_window *window, gw_error *error) {
+    glfwMakeContextCurrent(window->handle);
+    return glfwGetCurrentContext() == window->handle
+               ? GW_OK
+               : gw_fail(error, GW_MACHINE, "the GL context cannot be used on this thread: %s", reason());
+}
+
+void gw_window_leave(void) {
+    glfwMakeContextCurrent(NULL);
 }
 
 void gw_window_destroy(gw_window **window) {

@@ -2,7 +2,8 @@
  * the desktop; each with an OpenGL 4.5 core context of its own, and with its keys, pointer and size as a list
  * of events.
  *
- * GLFW keeps its state per process and belongs to the main thread: so do all these calls. The X display is
+ * GLFW keeps its state per process and belongs to the main thread: so do all these calls, but for take and
+ * leave. The X display is
  * that of the environment variable DISPLAY at the first call. */
 #ifndef GW_BASE_WINDOW_H
 #define GW_BASE_WINDOW_H
@@ -32,6 +33,12 @@ typedef struct gw_window_options {
  * screen saver of the X server is off. */
 gw_code gw_window_create(const gw_window_options *options, gw_window **out, gw_error *error);
 void gw_window_destroy(gw_window **window); /* accepts NULL and a NULL window */
+
+/* A context that shares objects with the window's, in a window that is never shown, for another thread: made
+ * and destroyed on the main thread, current on the other one from take to leave. */
+gw_code gw_window_share(const gw_window *window, gw_window **out, gw_error *error);
+gw_code gw_window_take(gw_window *window, gw_error *error);
+void gw_window_leave(void);
 
 /* GW_MACHINE, with the reason, when no window can be opened on the display. */
 gw_code gw_window_possible(gw_error *error);

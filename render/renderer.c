@@ -51,6 +51,16 @@ gw_code gw_renderer_take_features(gw_renderer *renderer, gw_error *error) {
     return GW_OK;
 }
 
+gw_code gw_renderer_make_own_buffers(gw_renderer *renderer, gw_error *error) {
+    const size_t words = GW_TOTAL_WORDS + (size_t)renderer->scene->material_count;
+    gw_code code = gw_gl_buffer_create(renderer->device, "totals", words * sizeof(uint32_t), NULL, 0,
+                                       &renderer->totals, error);
+    if (!code)
+        code = gw_gl_buffer_create(renderer->device, "frame block", sizeof(gw_frame_block), NULL, 0,
+                                   &renderer->frame, error);
+    return code;
+}
+
 gw_code gw_renderer_create(gw_gl *device, const gw_scene *scene, const gw_octree *octree,
                            const gw_renderer_options *options, gw_renderer **out, gw_error *error) {
     static const gw_renderer_options defaults;
@@ -70,6 +80,7 @@ gw_code gw_renderer_create(gw_gl *device, const gw_scene *scene, const gw_octree
     renderer->count = options->count;
     renderer->one_kernel = options->one_kernel;
     renderer->time_blending = options->time_blending;
+    renderer->kernels = options->kernels;
     renderer->loop_budget = options->loop_budget ? options->loop_budget : DEFAULT_LOOP_BUDGET;
     if (renderer->loop_budget < LEAST_LOOP_BUDGET)
         renderer->loop_budget = LEAST_LOOP_BUDGET; /* a ray must get from the root to its cell and on */
@@ -93,12 +104,7 @@ gw_code gw_renderer_create(gw_gl *device, const gw_scene *scene, const gw_octree
     if (!code)
         code = gw_media_take(scene, &renderer->media, error);
     if (!code)
-        code = gw_gl_buffer_create(device, "totals",
-                                   (GW_TOTAL_WORDS + (size_t)scene->material_count) * sizeof(uint32_t), NULL,
-                                   0, &renderer->totals, error);
-    if (!code)
-        code = gw_gl_buffer_create(device, "frame block", sizeof(gw_frame_block), NULL, 0, &renderer->frame,
-                                   error);
+        code = gw_renderer_make_own_buffers(renderer, error);
     if (code) {
         gw_renderer_destroy(&renderer);
         return gw_context(error, "putting the scene on the GPU");
@@ -120,13 +126,21 @@ void gw_renderer_destroy(gw_renderer **renderer) {
     if (!renderer || !*renderer)
         return;
     gw_renderer *r = *renderer;
+    gw_background_stop(&r->background);
+    gw_renderer_finish_buffers(r);
+    gw_scene_buffers_finish(&r->buffers);
+    gw_media_finish(&r->media);
+    gw_moving_destroy(&r->moving);
+    free(r->host_pixels);
+    free(r);
+    *renderer = NULL;
+}
+
+void gw_renderer_finish_buffers(gw_renderer *r) {
     gw_ray_buffers_finish(&r->rays);
     gw_shadow_buffers_finish(&r->shadows);
     for (size_t i = 0; i <= GW_MOST_BOUNCES; ++i)
         gw_secondary_buffers_finish(&r->secondary[i]);
-    gw_scene_buffers_finish(&r->buffers);
-    gw_media_finish(&r->media);
-    gw_moving_destroy(&r->moving);
     gw_gl_buffer_finish(&r->totals);
     gw_gl_buffer_finish(&r->luminances);
     gw_gl_buffer_finish(&r->frame);
@@ -135,9 +149,6 @@ void gw_renderer_destroy(gw_renderer **renderer) {
     gw_sample_buffers_finish(&r->samples);
     gw_accumulation_finish(&r->accumulation);
     gw_accumulation_finish(&r->other_accumulation);
-    free(r->host_pixels);
-    free(r);
-    *renderer = NULL;
 }
 
 /* Buffers that have room for every ray of a chunk, but for its fragments. */

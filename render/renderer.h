@@ -49,6 +49,16 @@ typedef struct gw_counters {
 uint64_t gw_secondary_rays(const gw_counters *counters);
 void gw_counters_add(gw_counters *to, const gw_counters *from);
 
+/* Where kernels are made that a frame calls for and that are not there. Pixels are the same. */
+typedef enum gw_kernel_making {
+    GW_KERNELS_AUTO,    /* in the background, but for software GL, which would compile them twice */
+    GW_KERNELS_AT_ONCE, /* on the renderer's thread, before the frame */
+    /* By a thread of their own, if living kernels that know more can draw meanwhile; else at once. For scenes
+     * that stand still: what moves is uploaded anew under that thread's feet. */
+    GW_KERNELS_BACKGROUND,
+    GW_KERNELS_WAYS
+} gw_kernel_making;
+
 typedef struct gw_renderer_options {
     int count; /* 1: count steps, loads, tests (slower, same pixels) */
     /* Loop iterations of one ray per dispatch, after which it is suspended and goes on in another; 0: 4,000.
@@ -67,6 +77,7 @@ typedef struct gw_renderer_options {
     /* gw_feature bits to leave out although something calls for them: other pixels. GW_BAD_INPUT for those
      * without which the octree cannot be read. */
     gw_features forbid_features;
+    gw_kernel_making kernels;
     const gw_log *log;
 } gw_renderer_options;
 
@@ -149,7 +160,7 @@ gw_code gw_renderer_trace_variant(gw_renderer *renderer, const gw_trace_variant 
                                   gw_error *error);
 
 /* Adds "effects": {run, skipped: [{name, why}], forced, forbidden, met: {name: {met, frames, idle}},
- * variants: {alive, programs, deleted}} to a
+ * variants: {alive, programs, deleted, making, background, failed, pending, stand_in_frames}} to a
  * report, and for a scene that moves "rebuild" (render/moving.h). counters: of all that was drawn; NULL:
  * nothing was. */
 gw_code gw_renderer_report(const gw_renderer *renderer, const gw_counters *counters, json_t *report,

@@ -14,51 +14,6 @@ static int64_t block_of(int64_t pixel) {
     return pixel >= 0 ? pixel / GW_BLOCK_SIDE : -((-pixel + GW_BLOCK_SIDE - 1) / GW_BLOCK_SIDE);
 }
 
-static int shows_work(uint8_t debug) {
-    return debug == GW_DEBUG_STEPS || debug == GW_DEBUG_LOADS || debug == GW_DEBUG_TESTS ||
-           debug == GW_DEBUG_VOXELS;
-}
-
-/* What the frame calls for; nothing covers light from everywhere where there is none. */
-static gw_features called_for(const gw_renderer *renderer, const gw_frame_state *state, uint32_t viewers) {
-    const float *ambient = renderer->scene->ambient;
-    const int dark = ambient[0] <= 0.0f && ambient[1] <= 0.0f && ambient[2] <= 0.0f &&
-                     !(renderer->scene_features & GW_FEATURE_ENVIRONMENT);
-    return gw_features_of_frame(state, viewers, renderer->scene_features) &
-           ~(dark ? GW_FEATURE_OCCLUSION : 0);
-}
-
-static gw_kernel_key key_of(const gw_renderer *renderer, const gw_frame_state *state, uint32_t viewers) {
-    gw_features features =
-        (renderer->scene_features | renderer->forced_features | called_for(renderer, state, viewers)) &
-        ~renderer->forbidden_features;
-    if (state->bounces == 0)
-        features &= ~GW_SECONDARY_FEATURES;
-    /* What lies at the border of a medium is decided where a ray meets it, as alpha is. */
-    if (features & GW_FEATURE_TRANSMISSION)
-        features |= GW_FEATURE_ALPHA;
-    else
-        features &= ~GW_FEATURE_ABSORPTION;
-    int lod = (features & GW_FEATURE_LOD) != 0;
-    return (gw_kernel_key){
-        .features = features,
-        .depth = renderer->octree->depth,
-        .texture_classes = renderer->buffers.textures.class_count,
-        .data_classes = renderer->buffers.data.class_count,
-        .loop_budget = renderer->loop_budget,
-        .debug = state->debug,
-        .voxels_only = lod && state->geometry == GW_GEOMETRY_VOXELS,
-        .level_blend = lod && state->level_blend,
-        .leaf_blend = lod && state->leaf_blend,
-        .voxel_emission = lod && renderer->octree->emissions != NULL,
-        .double_edges = state->triangle_precision == GW_PRECISION_DOUBLE,
-        .count = renderer->count || shows_work(state->debug),
-        .guides = (features & GW_FEATURE_SPARSE) && viewers > 0 && state->sample_block > 0 &&
-                  state->reconstruction == GW_RECONSTRUCTION_EDGE_AWARE && state->gaze_rule == GW_GAZE_ACUITY,
-        .gaze_seed = (features & (GW_FEATURE_GAZE | GW_FEATURE_SPARSE)) && viewers > 0 &&
-                     state->gaze_rule == GW_GAZE_SEED};
-}
-
 /* Copies the chunk's pixels that lie in the rectangle. */
 static void place_pixels(const gw_frame_job *job) {
     const int32_t *chunk = job->block.chunk, *window = job->block.window;
@@ -204,6 +159,7 @@ static gw_code light_scene(gw_renderer *renderer, const gw_frame_state *state, g
     const gw_light_knobs knobs = gw_renderer_light_knobs(renderer, state);
     if (memcmp(&knobs, &renderer->light_knobs, sizeof knobs) == 0)
         return GW_OK;
+    gw_background_wait(renderer->background);
     gw_code code =
         gw_scene_buffers_light(renderer->device, renderer->scene, &knobs, &renderer->buffers, error);
     if (code)
@@ -256,7 +212,7 @@ static gw_code begin_frame(gw_frame_job *job, const gw_similarity *placement, co
     job->block.window[3] = rectangle->y + (int32_t)rectangle->height;
     const double eye[3] = {(double)job->block.eye[0], (double)job->block.eye[1], (double)job->block.eye[2]};
     gw_media_at(&renderer->media, eye, job->block.media);
-    job->key = key_of(renderer, state, job->block.counts[0]);
+    job->key = gw_frame_key(renderer, state, job->block.counts[0], 0);
     job->bounces = state->bounces < GW_MOST_BOUNCES ? state->bounces : GW_MOST_BOUNCES;
     return GW_OK;
 }
@@ -328,15 +284,6 @@ static gw_code draw_once(gw_frame_job *job, gw_error *error) {
     return code;
 }
 
-/* Frames with the same key share kernels, and keep them together. */
-static gw_code begin_variant(const gw_frame_job *job, gw_error *error) {
-    char defines[GW_KERNEL_DEFINES];
-    gw_code code = gw_kernel_defines(&job->key, defines, sizeof defines, error);
-    if (!code)
-        gw_gl_variant_begin(job->renderer->device, gw_hash_bytes((gw_hash){0, 0}, defines, strlen(defines)));
-    return code;
-}
-
 gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement, const gw_plane *plane,
                           const gw_rectangle *rectangle, const gw_frame_state *given, uint8_t *rgba,
                           gw_counters *counters, gw_error *error) {
@@ -353,9 +300,9 @@ gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement,
         return code;
     renderer->has_drawn = 1;
     renderer->loop_iterations = 0;
-    renderer->last_features = called_for(renderer, state, job.block.counts[0]);
+    renderer->last_features = gw_frame_calls_for(renderer, state, job.block.counts[0]);
     gw_scene_buffers_bind(&renderer->buffers, state->texture_filter);
-    code = begin_variant(&job, error);
+    code = gw_frame_choose_kernels(&job, placement, plane, error);
     if (!code)
         code = gw_effects_begin(&job, error);
     if (!code)

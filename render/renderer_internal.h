@@ -112,6 +112,16 @@ typedef struct gw_accumulation {
     size_t rgba_capacity;
 } gw_accumulation;
 
+/* Kernels that the renderer has drawn with. */
+typedef struct gw_variant_drawn {
+    gw_hash hash;
+    gw_features features;
+    int guides; /* as in their key */
+} gw_variant_drawn;
+
+/* renderer_background.c: kernels that are made by a thread of their own. */
+typedef struct gw_background gw_background;
+
 struct gw_renderer {
     gw_gl *device;
     const gw_scene *scene;   /* at `time`, if it moves */
@@ -144,8 +154,15 @@ struct gw_renderer {
     gw_accumulation accumulation;
     gw_accumulation other_accumulation; /* of the view that is not drawn now */
     uint32_t chosen_view;
+    gw_kernel_making kernels;
+    gw_variant_drawn variants[GW_GL_VARIANTS];
+    gw_background *background; /* NULL until kernels are made there */
+    uint32_t stood_in;         /* frames that were drawn by kernels that know more than they called for */
 };
 
+/* What a renderer has on the GPU beside the scene: what it needs from the first frame on; all of it. */
+gw_code gw_renderer_make_own_buffers(gw_renderer *renderer, gw_error *error);
+void gw_renderer_finish_buffers(gw_renderer *renderer);
 /* Room for slots rays of pixels, bound with all that kernels of frames read and write. */
 gw_code gw_renderer_reserve(gw_renderer *renderer, size_t slots, uint32_t fragments, int work,
                             gw_error *error);
@@ -260,6 +277,28 @@ gw_code gw_frame_read_meter(gw_renderer *renderer, gw_luminance *out, gw_error *
 const char *gw_tone_defines(gw_features features, char text[128]);
 /* The pixels of a chunk once more from its sums. */
 gw_code gw_frame_kept_pixels(gw_frame_job *job, size_t pixel_slots, gw_error *error);
+
+/* renderer_variant.c: what the frame calls for; everything that chooses its kernels, with `more` effects than
+ * those. */
+gw_features gw_frame_calls_for(const gw_renderer *renderer, const gw_frame_state *state, uint32_t viewers);
+gw_kernel_key gw_frame_key(const gw_renderer *renderer, const gw_frame_state *state, uint32_t viewers,
+                           gw_features more);
+/* 1 if kernels are made in the background where living ones can stand in. */
+int gw_makes_in_background(const gw_renderer *renderer);
+/* Begins the variant that the frame is drawn with, and makes job->key its key. */
+gw_code gw_frame_choose_kernels(gw_frame_job *job, const gw_similarity *placement, const gw_plane *plane,
+                                gw_error *error);
+/* renderer_background.c. Asks for the kernels of a frame: 1 if they are being made, or others are, after
+ * which it may ask again; 0: make them yourself. */
+int gw_background_make(const gw_frame_job *job, const gw_similarity *placement, const gw_plane *plane,
+                       gw_hash hash);
+/* What was made meanwhile lives from here on. */
+gw_code gw_background_take(gw_renderer *renderer, gw_error *error);
+/* Until nothing is being made: before what the scene has on the GPU changes. Accepts NULL, as stop. */
+void gw_background_wait(gw_background *background);
+void gw_background_stop(gw_background **background);
+/* Sets made, failed, busy; accepts NULL. */
+void gw_background_count(gw_background *background, uint32_t *made, uint32_t *failed, int *busy);
 
 /* renderer_effects.c: what effects get to do is counted from the first to the second. */
 gw_code gw_effects_begin(gw_frame_job *job, gw_error *error);

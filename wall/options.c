@@ -220,7 +220,8 @@ enum {
     KEY_CACHE_LIMIT,
     KEY_QUIET,
     KEY_LOG,
-    KEY_GPU
+    KEY_GPU,
+    KEY_KERNELS
 };
 
 static const char *const debug_names[GW_DEBUG_VIEWS] = {"none",  "levels", "steps",        "normals",
@@ -247,6 +248,12 @@ static const struct argp_option scene_options[] = {
     {"gpu", KEY_GPU, "N", 0,
      "draw on GPU N, from 0, and no other ('gazewall inspect --device' lists them); default: the first that "
      "serves",
+     10},
+    {"kernels", KEY_KERNELS, "WAY", 0,
+     "auto, at-once or background: where kernels are compiled that a later frame calls for, while others can "
+     "draw the same pixels; default auto: sim and wall in the background but on software OpenGL, the others "
+     "at "
+     "once",
      10},
     {NULL, 0, NULL, 0, "What is told:", 11},
     {"report", KEY_REPORT, "FILE", 0, "write the report there, as JSON", 11},
@@ -324,6 +331,17 @@ static gw_code set_effect(gw_draw_options *options, int key, const char *name) {
                 : GW_OK;
 }
 
+static gw_code set_kernels(gw_draw_options *options, const char *way) {
+    static const char *const ways[GW_KERNELS_WAYS] = {"auto", "at-once", "background"};
+    for (int i = 0; i < GW_KERNELS_WAYS; i++)
+        if (!strcmp(way, ways[i])) {
+            options->kernels = (gw_kernel_making)i;
+            return GW_OK;
+        }
+    return gw_fail(options->error, GW_BAD_INPUT,
+                   "--kernels '%s' is no way; it is auto, at-once or background", way);
+}
+
 static error_t parse_draw(int key, char *argument, struct argp_state *state) {
     gw_draw_options *options = state->input;
     gw_error *error = options->error;
@@ -384,6 +402,9 @@ static error_t parse_draw(int key, char *argument, struct argp_state *state) {
         code = gw_parse_integer("--gpu", argument, 0, GW_GL_MAXIMUM_GPUS - 1, &integer, error);
         options->choose_gpu = 1;
         options->gpu = (int32_t)integer;
+        break;
+    case KEY_KERNELS:
+        code = set_kernels(options, argument);
         break;
     case KEY_COUNT:
         options->count = 1;

@@ -9,6 +9,7 @@
 #include "base/status.h"
 #include "render/features.h"
 #include "render/frame_state.h"
+#include "render/renderer.h"
 
 #include <argp.h>
 #include <stdint.h>
@@ -30,6 +31,7 @@ typedef struct gw_draw_options {
     gw_features force_effects, forbid_effects; /* gw_feature bits, never both of one */
     int choose_gpu;                            /* 1: on the EGL device `gpu` and no other */
     int32_t gpu;
+    gw_kernel_making kernels;
     gw_log_level level;
     int quiet;
     int count; /* count steps, node loads and triangle tests (slower, same pixels) */

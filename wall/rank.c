@@ -251,6 +251,7 @@ gw_code gw_rank_create_renderer(gw_rank *rank, gw_error *error) {
                                    .settings = &rank->options.draw.settings,
                                    .force_features = rank->options.draw.force_effects,
                                    .forbid_features = rank->options.draw.forbid_effects,
+                                   .kernels = rank->options.draw.kernels,
                                    .time_blending = rank->options.pictures.overlay,
                                    .log = &rank->line.log};
     code = gw_renderer_create(rank->model.device, &shared->scene.scene, &shared->octree, &options,

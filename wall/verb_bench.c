@@ -282,6 +282,7 @@ gw_renderer_options gw_bench_rendering(const gw_bench *bench, int count) {
     return (gw_renderer_options){.count = count,
                                  .force_features = bench->draw.force_effects,
                                  .forbid_features = bench->draw.forbid_effects,
+                                 .kernels = bench->draw.kernels ? bench->draw.kernels : GW_KERNELS_AT_ONCE,
                                  .log = &bench->console.log};
 }
 

@@ -343,6 +343,8 @@ static gw_code draw(render *r, gw_error *error) {
                                .settings = &r->options.draw.settings,
                                .force_features = r->options.draw.force_effects,
                                .forbid_features = r->options.draw.forbid_effects,
+                               .kernels =
+                                   r->options.draw.kernels ? r->options.draw.kernels : GW_KERNELS_AT_ONCE,
                                .log = &r->console.log};
     gw_code code = make_view(&r->options, r->model.scene, &r->state, &r->view, error);
     if (!code && !r->options.states)

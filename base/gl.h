@@ -36,8 +36,13 @@ typedef struct gw_gl_options {
     int debug;                       /* 1: debug context, driver messages go to the log */
     const gw_log *log;               /* must outlive the device */
     const gw_window_options *window; /* make this window, which the device then owns; NULL: none */
-    int choose_gpu;                  /* 1, without a window: on the EGL device `gpu` and no other */
-    int32_t gpu;                     /* its index, from 0 (gw_gl_list_gpus) */
+    /* Folder where the binaries of programs are read and kept (gw_gl_keep_programs); NULL: nowhere. Unheeded
+     * where the driver offers no format, and on software GL, where a binary spares the link of some ms and
+     * not the compilation of seconds - unless binaries_always. */
+    const char *binaries;
+    int binaries_always;
+    int choose_gpu; /* 1, without a window: on the EGL device `gpu` and no other */
+    int32_t gpu;    /* its index, from 0 (gw_gl_list_gpus) */
 } gw_gl_options;
 
 /* GW_MACHINE when there is no window, or no EGL device that gives 4.5 core. Leaves the context current on
@@ -112,6 +117,18 @@ int gw_gl_variant_lives(const gw_gl *device, gw_hash key);
 gw_code gw_gl_variant_adopt(gw_gl *device, gw_gl *from, gw_hash key, gw_error *error);
 /* The programs that were compiled so far, and are alive, by index: 0 past the last. */
 int gw_gl_program_at(const gw_gl *device, size_t index, const char **name, const char **defines);
+/* The next programs, up to the variant's end, are at most this many: compiling them is told as progress. */
+void gw_gl_expect_programs(gw_gl *device, uint32_t most);
+/* Of this device: programs that were compiled, linked by a binary, and whose binary was of no use. */
+typedef struct gw_gl_program_counts {
+    uint64_t compiled, read, refused;
+} gw_gl_program_counts;
+gw_gl_program_counts gw_gl_program_counts_of(const gw_gl *device);
+/* Writes the binaries of programs that were compiled since it was last called, and removes those that were
+ * not used for longest until all are within GW_GL_BINARIES_LIMIT. GW_NO_OUTPUT when one cannot be written. */
+#define GW_GL_BINARY_SUFFIX ".gwp"
+enum { GW_GL_BINARIES_LIMIT = 256 << 20 /* bytes: hundreds of kernels */ };
+gw_code gw_gl_keep_programs(gw_gl *device, gw_error *error);
 /* The assembled text that gw_gl_program would compile; free() it. */
 gw_code gw_gl_shader_text(gw_gl *device, const char *name, const char *defines, char **out, gw_error *error);
 /* Location of a uniform that must exist and be used; GW_MACHINE names both otherwise. -1 is never returned as

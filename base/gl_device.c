@@ -105,6 +105,12 @@ gw_code gw_gl_create(const gw_gl_options *options, gw_gl **out, gw_error *error)
         glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
         glDebugMessageCallback(on_driver_message, device);
     }
+    const int spares = device->limits.program_binary_formats > 0 &&
+                       (!device->limits.software || (options && options->binaries_always));
+    if (options && options->binaries && spares && !(device->binaries = gw_copy_text(options->binaries))) {
+        gw_gl_destroy(&device);
+        return gw_fail(error, GW_MACHINE, "not enough memory for the GL device");
+    }
     gw_log_write(device->log, GW_LOG_INFO, "GL device: %s, %s, OpenGL %s", device->limits.vendor,
                  device->limits.renderer, device->limits.version);
     *out = device;
@@ -123,6 +129,7 @@ void gw_gl_destroy(gw_gl **device) {
     gw_gl_egl_close(gone);
     gw_window_destroy(&gone->window);
     free(gone->shader_folder);
+    free(gone->binaries);
     free(gone->named);
     free(gone);
     *device = NULL;
@@ -139,7 +146,8 @@ gw_code gw_gl_create_shared(gw_gl *with, gw_gl **out, gw_error *error) {
     device->variant = -1;
     device->limits = with->limits;
     gw_code code = GW_OK;
-    if (with->shader_folder && !(device->shader_folder = gw_copy_text(with->shader_folder)))
+    if ((with->shader_folder && !(device->shader_folder = gw_copy_text(with->shader_folder))) ||
+        (with->binaries && !(device->binaries = gw_copy_text(with->binaries))))
         code = gw_fail(error, GW_MACHINE, "not enough memory for a second GL device");
     if (!code)
         code = with->window ? gw_window_share(with->window, &device->window, error)

@@ -11,7 +11,10 @@
 typedef struct gw_gl_cached_program {
     char *name, *defines;
     GLuint id;
-    int ran; /* software GL compiles at the first dispatch */
+    int ran;        /* software GL compiles at the first dispatch */
+    gw_hash source; /* gw_gl_binary_key() */
+    int unkept;     /* compiled, and its binary not written yet */
+    int replaces;   /* ... in the place of one that was refused */
     uint32_t
         variants; /* a bit for each place in gw_gl.variants; 0: never used within one, so never deleted */
 } gw_gl_cached_program;
@@ -54,7 +57,12 @@ struct gw_gl {
     size_t program_count, program_capacity;
     gw_gl_variant variants[GW_GL_VARIANTS];
     int variant; /* place of the one that was begun, -1: none */
-    uint64_t variants_begun, programs_deleted;
+    uint64_t variants_begun, programs_deleted, programs_compiled;
+    char *binaries; /* folder of program binaries, NULL: none are read or kept */
+    uint64_t binaries_read, binaries_refused;
+    uint32_t expected,
+        met_so_far;         /* programs of the work under way: most, and compiled; 0 expected: not told */
+    int64_t expected_since; /* ns */
     gw_gl_pool pool;
     gw_gl_usage usage;
     gw_gl_named_bytes *named; /* a row for each name that a buffer ever had */
@@ -79,6 +87,12 @@ void gw_gl_program_free(const gw_gl_cached_program *program);
 /* gl_variant.c: whoever uses a program within a variant keeps it alive as long as the variant; outside, for
  * good. made: 1 if it was compiled just now. */
 void gw_gl_variant_mark(const gw_gl *device, gw_gl_cached_program *program, int made);
+
+/* gl_binary.c: names a program by the texts of its stages and the driver. */
+gw_hash gw_gl_binary_key(const gw_gl *device, const char *const *texts, size_t count);
+/* 1: the program is linked by a binary from disk. *refused: 1 if there is one that is cut, altered, or of no
+ * use to the driver. */
+int gw_gl_binary_read(gw_gl *device, gw_hash key, GLuint program, int *refused);
 
 /* Storage for at least `size` bytes: idle storage of its class if there is some, or new. *id is 0
  * when the GPU has no room. */

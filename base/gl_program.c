@@ -18,6 +18,22 @@ static void pulse(const gw_gl *device, double silence) {
         device->pulse(device->pulse_context, silence);
 }
 
+void gw_gl_expect_programs(gw_gl *device, uint32_t most) {
+    device->expected = most;
+    device->met_so_far = 0;
+    device->expected_since = gw_now_ns();
+}
+
+/* How far compiling has come: what software GL does at the first dispatch is in it. */
+static void tell(const gw_gl *device) {
+    char text[96];
+    if (device->expected == 0)
+        return;
+    snprintf(text, sizeof text, "compiling kernels: %u of at most %u, %.1f s", device->met_so_far,
+             device->expected, (double)(gw_now_ns() - device->expected_since) * 1e-9);
+    gw_log_progress(device->log, text, -1);
+}
+
 void gw_gl_program_free(const gw_gl_cached_program *program) {
     glDeleteProgram(program->id);
     free(program->name);
@@ -77,51 +93,66 @@ typedef struct program_stage {
     GLenum stage;
 } program_stage;
 
-static gw_code attach_stage(gw_gl *device, GLuint program, const program_stage *stage, const char *defines,
-                            gw_error *error) {
-    gw_shader_text text;
-    GLuint shader = 0;
-    gw_code code = gw_shader_text_create(device->shader_folder, stage->name, defines, &text, error);
-    if (code) {
-        return code;
-    }
-    code = compile_shader(&text, stage->stage, &shader, error);
-    if (!code) {
-        glAttachShader(program, shader);
-        glDeleteShader(shader); /* lives on until it is detached */
-    }
-    gw_shader_text_finish(&text);
+enum { MOST_STAGES = 3 };
+
+static gw_code assemble(gw_gl *device, const program_stage *stages, size_t count, const char *defines,
+                        gw_shader_text *texts, gw_error *error) {
+    gw_code code = GW_OK;
+    for (size_t i = 0; i < count && !code; i++)
+        code = gw_shader_text_create(device->shader_folder, stages[i].name, defines, &texts[i], error);
     return code;
 }
 
-static gw_code link_program(gw_gl *device, const program_stage *stages, size_t count, const char *defines,
-                            GLuint *out, gw_error *error) {
-    GLuint program = glCreateProgram(), attached[4];
-    gw_code code = GW_OK;
-    for (size_t i = 0; i < count && !code; i++) {
-        code = attach_stage(device, program, &stages[i], defines, error);
+static gw_code compile_and_link(GLuint program, const program_stage *stages, const gw_shader_text *texts,
+                                size_t count, gw_error *error) {
+    GLuint attached[MOST_STAGES];
+    GLsizei held = 0;
+    GLint done = GL_FALSE;
+    for (size_t i = 0; i < count; i++) {
+        GLuint shader = 0;
+        gw_code code = compile_shader(&texts[i], stages[i].stage, &shader, error);
+        if (code)
+            return code;
+        glAttachShader(program, shader);
+        glDeleteShader(shader); /* lives on until it is detached */
     }
+    glLinkProgram(program);
+    glGetAttachedShaders(program, MOST_STAGES, &held, attached);
+    for (GLsizei i = 0; i < held; i++)
+        glDetachShader(program, attached[i]);
+    glGetProgramiv(program, GL_LINK_STATUS, &done);
+    return done ? GW_OK : fail_link(stages[0].name, program, error);
+}
+
+/* The program by a binary of its texts, or of the texts themselves. */
+static gw_code make_program(gw_gl *device, const program_stage *stages, size_t count, const char *defines,
+                            gw_gl_cached_program *made, gw_error *error) {
+    gw_shader_text texts[MOST_STAGES] = {{0}};
+    const char *lines[MOST_STAGES] = {NULL};
+    gw_code code = assemble(device, stages, count, defines, texts, error);
     if (!code) {
-        GLsizei held = 0;
-        GLint done = GL_FALSE;
-        glLinkProgram(program);
-        glGetAttachedShaders(program, 4, &held, attached);
-        for (GLsizei i = 0; i < held; i++) {
-            glDetachShader(program, attached[i]);
+        for (size_t i = 0; i < count; i++)
+            lines[i] = texts[i].text;
+        made->id = glCreateProgram();
+        made->source = gw_gl_binary_key(device, lines, count);
+        if (!gw_gl_binary_read(device, made->source, made->id, &made->replaces)) {
+            if (device->binaries)
+                glProgramParameteri(made->id, GL_PROGRAM_BINARY_RETRIEVABLE_HINT, GL_TRUE);
+            code = compile_and_link(made->id, stages, texts, count, error);
+            made->unkept = 1;
+            device->programs_compiled++;
         }
-        glGetProgramiv(program, GL_LINK_STATUS, &done);
-        code = done ? GW_OK : fail_link(stages[0].name, program, error);
+        if (code)
+            glDeleteProgram(made->id);
     }
-    if (code) {
-        glDeleteProgram(program);
-        return code;
-    }
-    *out = program;
-    return GW_OK;
+    for (size_t i = 0; i < count; i++)
+        gw_shader_text_finish(&texts[i]);
+    return code;
 }
 
 /* Remembers a program; the cache owns it from here on. */
-static gw_code remember(gw_gl *device, const char *name, const char *defines, GLuint id, gw_error *error) {
+static gw_code remember(gw_gl *device, const char *name, const char *defines,
+                        const gw_gl_cached_program *made, gw_error *error) {
     void *programs = device->programs;
     gw_code code = gw_grow(&programs, &device->program_capacity, device->program_count + 1,
                            sizeof(gw_gl_cached_program), "programs", error);
@@ -129,7 +160,9 @@ static gw_code remember(gw_gl *device, const char *name, const char *defines, GL
     if (code) {
         return code;
     }
-    gw_gl_cached_program entry = {.name = gw_copy_text(name), .defines = gw_copy_text(defines), .id = id};
+    gw_gl_cached_program entry = *made;
+    entry.name = gw_copy_text(name);
+    entry.defines = gw_copy_text(defines);
     if (!entry.name || !entry.defines) {
         free(entry.name);
         free(entry.defines);
@@ -155,20 +188,24 @@ static gw_code find_program(gw_gl *device, const program_stage *stages, size_t c
     if (atomic_load(&device->stopped))
         return gw_fail(error, GW_INTERRUPTED, "%s is not compiled any more", name);
     int64_t start = gw_now_ns();
-    GLuint program = 0;
+    gw_gl_cached_program made = {0};
+    device->met_so_far++;
+    if (device->expected > 0 && device->expected < device->met_so_far)
+        device->expected = device->met_so_far;
+    tell(device);
     pulse(device, compile_patience);
-    gw_code code = link_program(device, stages, count, defines, &program, error);
+    gw_code code = make_program(device, stages, count, defines, &made, error);
     if (!code) {
-        code = remember(device, name, key, program, error);
+        code = remember(device, name, key, &made, error);
         if (code) {
-            glDeleteProgram(program);
+            glDeleteProgram(made.id);
         }
     }
     if (!code) {
-        glObjectLabel(GL_PROGRAM, program, -1, name);
+        glObjectLabel(GL_PROGRAM, made.id, -1, name);
         gw_log_write(device->log, GW_LOG_DEBUG, "compiled %s in %.1f ms", name,
                      (double)(gw_now_ns() - start) * 1e-6);
-        *out = program;
+        *out = made.id;
     }
     return code;
 }
@@ -184,13 +221,13 @@ gw_code gw_gl_draw_program(gw_gl *device, const char *name, const char *defines,
         const char *extension;
         GLenum stage;
     } kinds[] = {{"vert", GL_VERTEX_SHADER}, {"geom", GL_GEOMETRY_SHADER}, {"frag", GL_FRAGMENT_SHADER}};
-    char names[3][256];
-    program_stage stages[3];
-    for (int i = 0; i < 3; i++) {
+    char names[MOST_STAGES][256];
+    program_stage stages[MOST_STAGES];
+    for (int i = 0; i < MOST_STAGES; i++) {
         snprintf(names[i], sizeof names[i], "%s.%s", name, kinds[i].extension);
         stages[i] = (program_stage){names[i], kinds[i].stage};
     }
-    return find_program(device, stages, 3, defines, out, error);
+    return find_program(device, stages, MOST_STAGES, defines, out, error);
 }
 
 int gw_gl_program_at(const gw_gl *device, size_t index, const char **name, const char **defines) {
@@ -241,6 +278,7 @@ static void announce(gw_gl *device, GLuint program) {
         if (cached->id == program && !cached->ran) {
             cached->ran = 1;
             silence = compile_patience;
+            tell(device);
         }
     }
     pulse(device, silence);

@@ -50,6 +50,7 @@ void gw_gl_variant_begin(gw_gl *device, gw_hash key) {
 
 void gw_gl_variant_end(gw_gl *device) {
     device->variant = -1;
+    device->expected = 0;
 }
 
 gw_gl_variant_counts gw_gl_variant_counts_of(const gw_gl *device) {

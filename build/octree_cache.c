@@ -9,7 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const suffixes[] = {".gwo", ".gwb", NULL}; /* .gwb: blocks that other machines keep */
+/* .gwb: blocks that other machines keep; .gwp: binaries of programs (base/gl_binary.c). */
+static const char *const suffixes[] = {".gwo", ".gwb", ".gwp", NULL};
 
 gw_hash gw_octree_cache_key(const gw_scene *scene, const gw_settings *settings) {
     const uint32_t version = GW_OCTREE_BLOCK_VERSION;

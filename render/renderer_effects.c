@@ -118,11 +118,14 @@ static json_t *skipped_feature(const gw_renderer *renderer, const gw_feature_row
 /* Of the device's specialised kernels; and of those that this renderer had made in the background. */
 static json_t *variants_json(const gw_renderer *renderer) {
     const gw_gl_variant_counts counts = gw_gl_variant_counts_of(renderer->device);
+    const gw_gl_program_counts programs = gw_gl_program_counts_of(renderer->device);
     uint32_t made, failed;
     int busy;
     gw_background_count(renderer->background, &made, &failed, &busy);
-    return json_pack("{s:i, s:I, s:I, s:s, s:i, s:i, s:b, s:i}", "alive", (int)counts.alive, "programs",
-                     (json_int_t)counts.programs, "deleted", (json_int_t)counts.deleted, "making",
+    return json_pack("{s:i, s:I, s:I, s:I, s:I, s:I, s:s, s:i, s:i, s:b, s:i}", "alive", (int)counts.alive,
+                     "programs", (json_int_t)counts.programs, "deleted", (json_int_t)counts.deleted,
+                     "compiled", (json_int_t)programs.compiled, "read", (json_int_t)programs.read, "refused",
+                     (json_int_t)programs.refused, "making",
                      gw_makes_in_background(renderer) ? "background" : "at once", "background", (int)made,
                      "failed", (int)failed, "pending", busy, "stand_in_frames", (int)renderer->stood_in);
 }

@@ -106,6 +106,24 @@ int gw_makes_in_background(const gw_renderer *renderer) {
             (renderer->kernels == GW_KERNELS_AUTO && !gw_gl_limits_of(renderer->device)->software));
 }
 
+/* The most that one kind of rays may need: to find their ends and to light them, and both once more for those
+ * that are suspended. */
+static uint32_t most_of_rays(gw_features features) {
+    return 4u + (features & GW_FEATURE_SHADOWS ? 4u : 0u) + (features & GW_SECONDARY_FEATURES ? 3u : 0u);
+}
+
+/* The most kernels that the frame may need, for progress. */
+static uint32_t most_kernels(const gw_frame_job *job) {
+    const gw_features features = job->key.features;
+    const uint32_t rates = job->block.counts[0] > 0 ? job->block.sampling[1] : 0;
+    uint32_t most = most_of_rays(features);
+    if (features & GW_SECONDARY_FEATURES)
+        most += most_of_rays(features);
+    if (features & GW_FEATURE_SPARSE) /* lists of samples; pixels that have their own, or share a rate's */
+        most += 7 + (rates > 0 ? 1 + 3 * rates : 0);
+    return most + (features & GW_FEATURE_ACCUMULATE ? 1 : 0);
+}
+
 gw_code gw_frame_choose_kernels(gw_frame_job *job, const gw_similarity *placement, const gw_plane *plane,
                                 gw_error *error) {
     gw_renderer *renderer = job->renderer;
@@ -122,7 +140,10 @@ gw_code gw_frame_choose_kernels(gw_frame_job *job, const gw_similarity *placemen
     }
     if (code)
         return code;
+    const int lives = gw_gl_variant_lives(renderer->device, hash);
     remember(renderer, hash, &job->key);
     gw_gl_variant_begin(renderer->device, hash);
+    if (!lives)
+        gw_gl_expect_programs(renderer->device, most_kernels(job));
     return GW_OK;
 }

@@ -12,11 +12,25 @@
 
 gw_code gw_model_open_device(gw_model *model, const gw_draw_options *options, const gw_log *log,
                              gw_error *error) {
+    char *cache = gw_cache_folder(options);
     const gw_gl_options device = {.shader_folder = options->shaders,
                                   .log = log,
+                                  .binaries = cache,
                                   .choose_gpu = options->choose_gpu,
                                   .gpu = options->gpu};
-    return gw_gl_create(&device, &model->device, error);
+    gw_code code = gw_gl_create(&device, &model->device, error);
+    free(cache);
+    return code;
+}
+
+void gw_model_keep_programs(gw_gl *device, const gw_log *log) {
+    gw_error unwritten = {0};
+    if (!device)
+        return;
+    gw_interrupt_hold();
+    if (gw_gl_keep_programs(device, &unwritten))
+        gw_log_write(log, GW_LOG_WARNING, "compiled programs are not kept: %s", unwritten.text);
+    gw_interrupt_release();
 }
 
 gw_code gw_model_import(gw_model *model, const gw_draw_options *options, const gw_log *log, gw_error *error) {

@@ -22,6 +22,9 @@ typedef struct gw_model {
 /* Opens the device only. */
 gw_code gw_model_open_device(gw_model *model, const gw_draw_options *options, const gw_log *log,
                              gw_error *error);
+/* Keeps the binaries of what was compiled so far, where the device reads them in later runs; a folder that
+ * cannot be written is a warning. Accepts NULL. */
+void gw_model_keep_programs(gw_gl *device, const gw_log *log);
 /* Imports the scene only: needs no device. */
 gw_code gw_model_import(gw_model *model, const gw_draw_options *options, const gw_log *log, gw_error *error);
 /* Reads the octree of the imported scene from the cache, if it is there; needs no device. A file that is

@@ -104,6 +104,9 @@ int gw_rank_present(gw_rank *rank, uint32_t *number, int64_t *when) {
     *number = rank->drawn - 1;
     *when = gw_present_show(rank->present);
     rank->drawn = 0;
+    if (!rank->programs_kept)
+        gw_model_keep_programs(rank->model.device, &rank->line.log);
+    rank->programs_kept = 1;
     rank->lane_ms[GW_LANE_PRESENT] += (float)((double)(gw_now_ns() - begin) * 1e-6);
     return 1;
 }
@@ -448,6 +451,8 @@ int gw_verb_rank(int argc, char **argv) {
         code = run(&rank, argc, argv, &error);
     if (code && code != GW_TILES_LOST)
         show_notice(&rank, GW_NOTICE_ENDED, error.text);
+    else
+        gw_model_keep_programs(rank.model.device, &rank.line.log);
     if (code && code != GW_TILES_LOST)
         gw_link_send(&rank.line, GW_LINK_FAILED, (int32_t)code, error.text);
     else

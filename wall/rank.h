@@ -42,8 +42,9 @@ typedef struct gw_rank {
     gw_gate *conducted;           /* rank 0 */
     int64_t attended;             /* ns, when rank 0 last listened while it drew */
     gw_present *present;          /* of its tile; NULL: headless */
-    int64_t rejoined; /* ns, when this process began, if it was started again and has shown nothing yet */
-    uint32_t drawn;   /* number + 1 of the frame in pixels that is not presented yet; 0: none */
+    int64_t rejoined;  /* ns, when this process began, if it was started again and has shown nothing yet */
+    int programs_kept; /* 1: those of the first frame */
+    uint32_t drawn;    /* number + 1 of the frame in pixels that is not presented yet; 0: none */
 } gw_rank;
 
 /* Draws this rank's tile for a release and writes its picture if the run has a folder for pictures. A failure

@@ -49,17 +49,23 @@ gw_code gw_rank_open_device(struct gw_rank *rank, gw_error *error) {
     const gw_panel *panel = own_panel(rank);
     const int of_tile = has_tile_window(rank);
     const gw_window_options window = of_tile ? tile_window(rank) : wall_window(rank);
+    if (rank->model.device)
+        return GW_OK;
+    char *cache = gw_cache_folder(draw);
     const gw_gl_options device = {.shader_folder = draw->shaders,
+                                  .binaries = cache,
                                   .log = &rank->line.log,
                                   .window = gw_rank_has_window(rank) ? &window : NULL,
                                   .choose_gpu = draw->choose_gpu || panel->gpu >= 0,
                                   .gpu = draw->choose_gpu ? draw->gpu : panel->gpu};
-    if (rank->model.device)
-        return GW_OK;
+    gw_code code = GW_OK;
     /* GLFW reads the display from the environment; nothing else in this process does. */
     if (of_tile && panel->display[0] && setenv("DISPLAY", panel->display, 1))
-        return gw_fail(error, GW_MACHINE, "not enough memory for the name of a display");
-    return gw_gl_create(&device, &rank->model.device, error);
+        code = gw_fail(error, GW_MACHINE, "not enough memory for the name of a display");
+    if (!code)
+        code = gw_gl_create(&device, &rank->model.device, error);
+    free(cache);
+    return code;
 }
 
 void gw_rank_attend(struct gw_rank *rank) {

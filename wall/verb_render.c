@@ -464,6 +464,8 @@ int gw_verb_render(int argc, char **argv) {
     if (!code)
         code = write_results(&r, &error);
     gw_renderer_destroy(&r.renderer);
+    if (!code)
+        gw_model_keep_programs(r.model.device, &r.console.log);
     gw_model_close(&r.model);
     gw_image_finish(&r.image);
     json_decref(r.report);

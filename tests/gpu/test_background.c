@@ -1,5 +1,6 @@
 /* Kernels that are made in the background: meanwhile others that know more draw the same pixels, afterwards
- * those that were made do, and nothing of it is left when the renderer is gone. */
+ * those that were made do, and nothing of it is left when the renderer is gone. And what is told while
+ * kernels are compiled. */
 #include "tests/support/check.h"
 
 #include "base/clock.h"
@@ -200,12 +201,57 @@ static void at_once_makes_no_thread(void **state) {
     gw_renderer_destroy(&renderer);
 }
 
+typedef struct told_lines {
+    int count;
+    unsigned done, most;
+    double seconds;
+} told_lines;
+
+static void hear(void *context, const char *what, double fraction) {
+    told_lines *told = context;
+    unsigned done = 0, most = 0;
+    double seconds = -1;
+    (void)fraction;
+    if (sscanf(what, "compiling kernels: %u of at most %u, %lf s", &done, &most, &seconds) != 3)
+        return;
+    assert_true(done >= 1 && done <= most && done >= told->done && seconds >= told->seconds);
+    *told = (told_lines){told->count + 1, done, most, seconds};
+}
+
+/* With a gaze and shadows; and a frame whose kernels live is silent. */
+static void compiling_is_told(void **state) {
+    (void)state;
+    told_lines told = {0};
+    gw_log log = {.context = &told, .progress = hear};
+    gw_light light = {.kind = GW_LIGHT_DIRECTIONAL, .vector = {0.48, -0.8, -0.36}, .color = {2, 2, 1}};
+    gw_gl *device = NULL;
+    check_ok(gw_gl_create(&(gw_gl_options){.log = &log}, &device, &error));
+    gw_scene lit = *stage.scene;
+    lit.lights = &light;
+    lit.light_count = 1;
+    gw_renderer *renderer = NULL;
+    check_ok(gw_renderer_create(device, &lit, stage.octree, NULL, &renderer, &error));
+    gw_camera camera = sharp;
+    gw_camera_gaze(&camera, 4, 5, 2);
+    camera.state.tau = 2;
+    camera.state.sample_block = 2;
+    free(gw_camera_take(&camera, renderer, NULL));
+    print_message("# %u kernels of at most %u\n", told.done, told.most);
+    assert_true(told.count > 8 && told.done > 8 && told.most < 3 * told.done);
+    told = (told_lines){0};
+    free(gw_camera_take(&camera, renderer, NULL));
+    assert_int_equal(told.count, 0);
+    gw_renderer_destroy(&renderer);
+    gw_gl_destroy(&device);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(living_kernels_stand_in_and_step_back),
         cmocka_unit_test(a_lost_gaze_compiles_nothing),
         cmocka_unit_test(a_renderer_may_go_while_kernels_are_made),
         cmocka_unit_test(at_once_makes_no_thread),
+        cmocka_unit_test(compiling_is_told),
     };
     return cmocka_run_group_tests(tests, open_stage, close_stage);
 }

@@ -11,7 +11,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static const char *const suffixes[] = {".gwo", ".gwb", NULL};
+static const char *const suffixes[] = {".gwo", ".gwb", ".gwp", NULL};
 
 /* free() it; NULL without a folder. */
 static char *path_of(const char *folder, gw_hash key) {

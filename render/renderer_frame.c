@@ -344,7 +344,7 @@ gw_code gw_renderer_geometry(gw_renderer *renderer, const gw_similarity *placeme
     job.key.count = job.key.voxel_emission = 0;
     job.key.guides = 1;
     gw_scene_buffers_bind(&renderer->buffers, state.texture_filter);
-    code = begin_variant(&job, error);
+    code = gw_frame_own_kernels(&job, error);
     if (!code)
         code = visit_chunks(&job, gw_frame_geometry, error);
     gw_gl_variant_end(renderer->device);

@@ -288,6 +288,8 @@ int gw_makes_in_background(const gw_renderer *renderer);
 /* Begins the variant that the frame is drawn with, and makes job->key its key. */
 gw_code gw_frame_choose_kernels(gw_frame_job *job, const gw_similarity *placement, const gw_plane *plane,
                                 gw_error *error);
+/* Begins the variant of job->key itself. */
+gw_code gw_frame_own_kernels(const gw_frame_job *job, gw_error *error);
 /* renderer_background.c. Asks for the kernels of a frame: 1 if they are being made, or others are, after
  * which it may ask again; 0: make them yourself. */
 int gw_background_make(const gw_frame_job *job, const gw_similarity *placement, const gw_plane *plane,

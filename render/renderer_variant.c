@@ -124,6 +124,14 @@ static uint32_t most_kernels(const gw_frame_job *job) {
     return most + (features & GW_FEATURE_ACCUMULATE ? 1 : 0);
 }
 
+gw_code gw_frame_own_kernels(const gw_frame_job *job, gw_error *error) {
+    gw_hash hash;
+    gw_code code = hash_of(&job->key, &hash, error);
+    if (!code)
+        gw_gl_variant_begin(job->renderer->device, hash);
+    return code;
+}
+
 gw_code gw_frame_choose_kernels(gw_frame_job *job, const gw_similarity *placement, const gw_plane *plane,
                                 gw_error *error) {
     gw_renderer *renderer = job->renderer;

@@ -21,7 +21,7 @@ typedef struct triple {
     int gazed;
 } triple;
 
-static gw_frame_state exact_state(const gw_frame_state *state) {
+gw_frame_state gw_exact_state(const gw_frame_state *state) {
     gw_frame_state exact = *state;
     exact.tau = exact.tau_inside = 0;
     exact.geometry = GW_GEOMETRY_HYBRID;
@@ -98,7 +98,7 @@ static gw_code write_parts(const triple *t, const char *folder, gw_error *error)
 gw_code gw_triple_write(const gw_triple_view *view, const gw_image *approximate, const char *folder,
                         json_t **numbers, gw_error *error) {
     triple t = {.view = view, .gazed = view->state->gaze_count > 0};
-    const gw_frame_state state = exact_state(view->state);
+    const gw_frame_state state = gw_exact_state(view->state);
     const gw_rectangle all = {.width = approximate->width, .height = approximate->height};
     t.pixels_per_degree =
         gw_pixels_per_degree(view->plane, view->state->eye, approximate->width, approximate->height);

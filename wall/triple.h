@@ -20,7 +20,10 @@ typedef struct gw_triple_view {
 
 enum { GW_TRIPLE_RAYS = 16 };
 
-/* Draws the view once more, exact: triangles and GW_TRIPLE_RAYS rays at every pixel. Writes into the folder
+/* The same view without any approximation: triangles and GW_TRIPLE_RAYS rays at every pixel. */
+gw_frame_state gw_exact_state(const gw_frame_state *state);
+
+/* Draws the view once more, exact. Writes into the folder
  * exact.png, approximate.png, difference.png (FLIP as colours, black 0 over red and yellow to white 1) and
  * triple.png, the three side by side; where somebody looks also seen.png, the difference behind the acuity of
  * that viewer, which stands as a fourth in triple.png. *numbers: {flip, seen_flip, pixels_per_degree, rays},

@@ -24,6 +24,8 @@ const gw_verb gw_verbs[] = {
      gw_verb_calibrate},
     {"bench", "measures: build time, bytes, rays against Embree, modes, layouts (see its --help)",
      gw_verb_bench},
+    {"compare", "how far a picture is from another, or a recorded run from the exact one, by every metric",
+     gw_verb_compare},
     {"codes", "reads the tiles' frame codes from a picture of the wall", gw_verb_codes},
     {"settings", "the table of settings that --set takes", gw_verb_settings},
     {"rank", NULL, gw_verb_rank},

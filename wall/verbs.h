@@ -32,6 +32,7 @@ int gw_verb_record(int argc, char **argv);
 int gw_verb_calibrate(int argc, char **argv);
 int gw_verb_bench(int argc, char **argv);
 int gw_verb_settings(int argc, char **argv);
+int gw_verb_compare(int argc, char **argv);
 int gw_verb_codes(int argc, char **argv);
 
 /* Runs the verb that argv[1] names: the whole program but for main() itself. */

@@ -99,8 +99,8 @@ endif
 
 TEST_KINDS   := unit gpu hard oracle
 TEST_SOURCES := $(wildcard $(TEST_KINDS:%=tests/%/test_*.c))
-# tests/tools/make_* and convert_* are programs of their own; what else stands there are their parts, for tests too.
-TOOL_SOURCES := $(wildcard tests/tools/make_*.c tests/tools/convert_*.c)
+# tests/tools/make_*, convert_* and compare_* are programs of their own; what else stands there are their parts, for tests too.
+TOOL_SOURCES := $(wildcard $(addprefix tests/tools/,make_*.c convert_*.c compare_*.c))
 TOOL_PARTS   := $(patsubst %.c,$(TREE)/%.o,$(filter-out $(TOOL_SOURCES),$(wildcard tests/tools/*.c)))
 TOOLS        := $(TOOL_SOURCES:%.c=$(TREE)/%)
 TEST_SUPPORT := $(patsubst %.c,$(TREE)/%.o,$(wildcard tests/support/*.c)) $(TOOL_PARTS)
@@ -114,7 +114,7 @@ ALL_OBJECTS := $(OBJECTS) $(TREE)/wall/main.o $(TEST_SUPPORT) $(TEST_SOURCES:%.c
 
 # --- targets ---------------------------------------------------------------------------------------------------------
 
-.PHONY: all setup demo tests test hard soak fuzz fuzz-programs tools lint format docs tracks demo-track moving-scene install clean help
+.PHONY: all setup demo tests test hard soak compare fuzz fuzz-programs tools lint format docs tracks demo-track moving-scene install clean help
 
 all: $(PROGRAMS) $(ARCHIVE) $(if $(PROGRAMS),$(OUT)/gazewall)
 
@@ -125,6 +125,7 @@ help:
 	@echo "make hard        only the tests of tests/hard"
 	@echo "make soak        200,000 frames through the gate at 35 tiles: nothing may grow (SOAK_FRAMES=n)"
 	@echo "make fuzz        each decoder on made-up input for a minute (clang; FUZZ_SECONDS=n, ONLY=dtrack picks one)"
+	@echo "make compare     scenes beside Blender's Cycles into $(OUT)/compare; ONLY='chess sedan' picks (.ci/setup compare, tests/scenes.sh first)"
 	@echo "make tests       build the tests without running them"
 	@echo "make tools       build the tools of tests/tools: scene converter, demo track"
 	@echo "make lint        layout, static analysis, house rules, shaders; changes nothing"
@@ -158,6 +159,9 @@ hard: all $(filter $(TREE)/tests/hard/%,$(TEST_PROGRAMS))
 SOAK_FRAMES ?= 200000
 soak: all
 	$(quiet)GAZEWALL='$(PROGRAM)' GW_SOAK_FRAMES='$(SOAK_FRAMES)' tests/mpi/gate_soak.sh
+
+compare: all tools
+	$(quiet)PROGRAM='$(PROGRAM)' TOOL='$(TREE)/tests/tools/compare_pictures' tests/compare_cycles.sh $(ONLY)
 
 # What is fuzzed is built apart, by clang: the fuzzer wants to see which branches are taken.
 FUZZ_SECONDS ?= 60
@@ -198,7 +202,7 @@ install: all
 	sed 's|/usr/local/|$(PREFIX)/|' docs/gazewall.1 > '$(DESTDIR)$(PREFIX)/share/man/man1/gazewall.1'
 	chmod 644 '$(DESTDIR)$(PREFIX)/share/man/man1/gazewall.1'
 	install -m 644 README.md LICENSE '$(DESTDIR)$(PREFIX)/share/doc/gazewall/'
-	install -m 644 $(wildcard docs/*.md docs/*.png) '$(DESTDIR)$(PREFIX)/share/doc/gazewall/docs/'
+	install -m 644 $(wildcard docs/*.md docs/*.png docs/*.jpg docs/*.svg) '$(DESTDIR)$(PREFIX)/share/doc/gazewall/docs/'
 
 clean:
 	rm -rf $(OUT)

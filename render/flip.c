@@ -321,3 +321,11 @@ gw_code gw_flip(const gw_image *reference, const gw_image *test, double pixels_p
     finish(&e);
     return code;
 }
+
+void gw_flip_color(float value, uint8_t rgba[4]) {
+    for (int c = 0; c < 3; c++) {
+        const double share = fmin(fmax(3 * (double)value - c, 0), 1);
+        rgba[c] = (uint8_t)(255 * share + 0.5);
+    }
+    rgba[3] = 255;
+}

@@ -16,4 +16,7 @@
 gw_code gw_flip(const gw_image *reference, const gw_image *test, double pixels_per_degree, float *map,
                 double *mean, gw_error *error);
 
+/* A value of the map, 0..1, as black, red, yellow, white: opaque RGBA. */
+void gw_flip_color(float value, uint8_t rgba[4]);
+
 #endif

@@ -33,15 +33,6 @@ gw_frame_state gw_exact_state(const gw_frame_state *state) {
     return exact;
 }
 
-/* 0..1 as black, red, yellow, white. */
-static void heat(float value, uint8_t *rgba) {
-    for (int c = 0; c < 3; c++) {
-        double share = fmin(fmax(3 * (double)value - c, 0), 1);
-        rgba[c] = (uint8_t)(255 * share + 0.5);
-    }
-    rgba[3] = 255;
-}
-
 static gw_code compare(const gw_image *reference, const gw_image *picture, double pixels_per_degree,
                        gw_image *out, double *mean, gw_error *error) {
     size_t pixels = (size_t)picture->width * picture->height;
@@ -52,7 +43,7 @@ static gw_code compare(const gw_image *reference, const gw_image *picture, doubl
     if (!code)
         code = gw_flip(reference, picture, pixels_per_degree, map, mean, error);
     for (size_t i = 0; i < pixels && !code; i++)
-        heat(map[i], out->rgba + i * 4);
+        gw_flip_color(map[i], out->rgba + i * 4);
     free(map);
     return code;
 }

@@ -12,7 +12,7 @@ program=${PROGRAM:-out/gazewall}
 compare=${TOOL:-out/release/tests/tools/compare_pictures}
 folder=$PWD/out/compare
 common=(--viewpoint 0 --size "$size" --tau 0 --cache none --quiet)
-quality=(--set accumulate="${OURS:-64}" --set shadow_samples=1 --set environment_lights=16 --set occlusion_cones=6
+quality=(--set accumulate="${OURS:-64}" --set shadow_samples=1 --set environment_lights=8 --set occlusion_cones=3
     --set occlusion_distance=2)
 failed=0
 

@@ -116,6 +116,13 @@
     GW_ROW(environment_lights, INTEGER, 8, 0, 64, "", FRAME, "lights", "shadows of skies and lamps in an environment against rays",   \
            "64, and brute-force integration over the environment",                                                      \
            "most lights that stand for what is brightest in an environment and cast shadows; 0: its light has none")      \
+    GW_ROW(emissive_lights, INTEGER, 8, 0, 64, "", FRAME, "lights", "soft light of emissive surfaces against rays",                  \
+           "64, and brute-force integration over emissive triangles",                                                   \
+           "most lights that stand for emissive surfaces, each with the shape of its triangles; 0: they light nothing")  \
+    GW_ROW(emissive_least, REAL, 0.001953125, 0.0, 1.0, "", FRAME, "radiance", "faint light of emissive surfaces against rays", "0",  \
+           "the light of an emissive surface ends where a white surface would reflect less of it than this")             \
+    GW_ROW(emissive_faintest, REAL, 0.5, 0.0, 1e9, "", FRAME, "radiance", "light of what glows faintly against rays", "0",             \
+           "what emits less than this is seen to glow, but is no light; diffuse_bounce brings what it gives")             \
     GW_ROW(mirror_roughness, REAL, 0.02, 0.0, 0.25, "", FRAME, "", "rough metal shown as a mirror against rays", "0",      \
            "metal (metalness 1) of at most this roughness is a perfect mirror, whose reflections are traced")            \
     GW_ROW(bounces, INTEGER, 4, 0, 8, "", FRAME, "", "mirrors in mirrors and what stands behind glass against rays", "8",   \

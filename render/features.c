@@ -21,6 +21,8 @@ const gw_feature_row gw_feature_rows[] = {
     {GW_FEATURE_POINT_LIGHTS, "point-lights", "POINT_LIGHTS", "the scene has none"},
     {GW_FEATURE_SPOT_LIGHTS, "spot-lights", "SPOT_LIGHTS", "no light of the scene has a cone or a range"},
     {GW_FEATURE_AREA_LIGHTS, "area-lights", "AREA_LIGHTS", "no light has an extent"},
+    {GW_FEATURE_EMISSIVE_LIGHTS, "emissive-lights", "EMISSIVE_LIGHTS",
+     "emissive_lights is 0, or no material in use emits as much light as emissive_faintest"},
     {GW_FEATURE_ENVIRONMENT, "environment", "ENVIRONMENT", "the scene has none"},
     {GW_FEATURE_LOD, "lod", "LOD", "tau is 0 wherever it applies, so every ray ends at triangles"},
     {GW_FEATURE_GAZE, "gaze", "GAZE", "no gaze is known, or nothing in the frame depends on it"},

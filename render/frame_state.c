@@ -39,6 +39,9 @@ void gw_frame_state_apply(gw_frame_state *state, const gw_settings *settings) {
     state->triangle_precision = (uint8_t)settings->triangle_precision;
     state->shadow_samples = (uint8_t)settings->shadow_samples;
     state->environment_lights = (uint8_t)settings->environment_lights;
+    state->emissive_lights = (uint8_t)settings->emissive_lights;
+    state->emissive_least = (float)settings->emissive_least;
+    state->emissive_faintest = (float)settings->emissive_faintest;
     state->accumulate = (uint16_t)settings->accumulate;
     state->strain = (float)settings->strain;
     state->metering = settings->exposure == GW_SETTING_AUTO;

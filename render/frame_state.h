@@ -43,7 +43,8 @@ typedef struct gw_frame_state {
     uint32_t seed;
     uint8_t environment_lights;
     uint8_t shadow_samples; /* 0, 1, 2: 1, 4, 16 */
-    uint8_t reserved[2];    /* 0 */
+    uint8_t emissive_lights;
+    uint8_t reserved; /* 0 */
     /* Accumulation of a still view: pixels are the mean, in linear light, of samples 0 to accumulate - 1 (0
      * counts as 1). epoch numbers the still views from 1; 0: no further sample of this view will be asked
      * for, so nothing is kept for one. */
@@ -67,6 +68,7 @@ typedef struct gw_frame_state {
     uint8_t metering;     /* 1: tiles tell how bright their pixels are, for exposure=auto */
     uint8_t cones;        /* occlusion_cones, their number: 0 to 6 */
     float occlusion_distance;
+    float emissive_least, emissive_faintest;   /* knobs as above */
     uint8_t diffuse_bounce, reserved_cones[3]; /* the latter 0 */
 } gw_frame_state;
 #pragma GCC diagnostic pop

@@ -13,7 +13,7 @@ enum { DEFAULT_LOOP_BUDGET = 4000, LEAST_LOOP_BUDGET = 32 };
 enum { SOFTWARE_CHUNK = 1 << 17, DEVICE_CHUNK = 1 << 20 };
 
 static uint32_t light_count(const gw_renderer *renderer) {
-    return renderer->buffers.directional_count + renderer->buffers.placed_count;
+    return renderer->buffers.list.directional + renderer->buffers.list.placed;
 }
 
 /* Visibilities of every fragment and light have bounded room as well. */
@@ -26,11 +26,19 @@ size_t gw_renderer_chunk_slots(const gw_renderer *renderer) {
 }
 
 gw_light_knobs gw_renderer_light_knobs(const gw_renderer *renderer, const gw_frame_state *state) {
+    const gw_features forbidden = renderer->forbidden_features;
     gw_light_knobs knobs = gw_light_knobs_of(state);
-    if (renderer->forbidden_features & (GW_FEATURE_ENVIRONMENT | GW_FEATURE_SHADOWS))
-        knobs.environment_lights = 0; /* they are there for their shadows */
-    if (renderer->forbidden_features & GW_FEATURE_AREA_LIGHTS)
+    /* They are there for their shadows. */
+    if (forbidden & (GW_FEATURE_ENVIRONMENT | GW_FEATURE_SHADOWS | GW_FEATURE_DIRECTIONAL_LIGHTS))
+        knobs.environment_lights = 0;
+    if (forbidden & GW_FEATURE_AREA_LIGHTS)
         knobs.shadow_samples = 0;
+    /* They have an extent, and are what is seen to shine. */
+    if (forbidden & (GW_FEATURE_EMISSIVE_LIGHTS | GW_FEATURE_EMISSIVE | GW_FEATURE_AREA_LIGHTS))
+        knobs.emissive_lights = 0;
+    knobs.left_out = (forbidden & GW_FEATURE_DIRECTIONAL_LIGHTS ? GW_LIGHTS_DIRECTIONAL : 0) |
+                     (forbidden & GW_FEATURE_POINT_LIGHTS ? GW_LIGHTS_POINT : 0) |
+                     (forbidden & GW_FEATURE_SPOT_LIGHTS ? GW_LIGHTS_SPOT : 0);
     return knobs;
 }
 
@@ -39,8 +47,10 @@ gw_code gw_renderer_take_features(gw_renderer *renderer, gw_error *error) {
         gw_features_of_scene(renderer->scene, renderer->octree, renderer->mirror_roughness);
     if (renderer->buffers.environment_count > 0)
         called_for |= GW_FEATURE_DIRECTIONAL_LIGHTS | GW_FEATURE_SHADOWS;
-    if (renderer->buffers.wide_lights)
+    if (renderer->buffers.list.wide)
         called_for |= GW_FEATURE_AREA_LIGHTS;
+    if (renderer->buffers.list.emissive > 0)
+        called_for |= GW_FEATURE_EMISSIVE_LIGHTS | GW_FEATURE_SHADOWS;
     gw_features missing = called_for & renderer->forbidden_features & GW_NEEDED_FEATURES;
     renderer->scene_features = called_for & ~renderer->forbidden_features;
     for (size_t i = 0; i < gw_feature_count; ++i)

@@ -159,10 +159,10 @@ gw_code gw_renderer_trace_variant(gw_renderer *renderer, const gw_trace_variant 
                                   size_t ray_count, gw_hit *hits, gw_counters *counters, gw_trace_time *time,
                                   gw_error *error);
 
-/* Adds "effects": {run, skipped: [{name, why}], forced, forbidden, met: {name: {met, frames, idle}},
- * variants: {alive, programs, deleted, compiled, read, refused, making, background, failed, pending,
- * stand_in_frames}} to a report, and for a scene that moves "rebuild" (render/moving.h). counters: of all
- * that was drawn; NULL: nothing was. */
+/* Adds to a report "effects": {run, skipped: [{name, why}], forced, forbidden, met: {name: {met, frames,
+ * idle}}, variants: {alive, programs, deleted, compiled, read, refused, making, background, failed, pending,
+ * stand_in_frames}}; "lights" (render/renderer_lights.c); and for a scene that moves "rebuild"
+ * (render/moving.h). counters: of all that was drawn; NULL: nothing was. */
 gw_code gw_renderer_report(const gw_renderer *renderer, const gw_counters *counters, json_t *report,
                            gw_error *error);
 /* Effects that the scene and the last frame called for, but for the forbidden ones. */

@@ -161,5 +161,5 @@ gw_code gw_renderer_report(const gw_renderer *renderer, const gw_counters *count
     json_decref(forbidden);
     if (!effects || failed || json_object_set_new(report, "effects", effects))
         return gw_fail(error, GW_MACHINE, "no memory for the report of effects");
-    return GW_OK;
+    return gw_renderer_report_lights(renderer, report, error);
 }

@@ -204,8 +204,10 @@ static gw_code begin_frame(gw_frame_job *job, const gw_similarity *placement, co
     job->block.environment[1] = (float)(environment->height / GW_PI);
     job->block.environment[2] = environment->seen ? 1.0f : 0.0f;
     memcpy(job->block.environment_mean, environment->mean, sizeof environment->mean);
-    job->block.counts[1] = renderer->buffers.directional_count;
-    job->block.counts[2] = renderer->buffers.placed_count;
+    job->block.environment_mean[3] =
+        renderer->buffers.list.emissive > 0 ? fmaxf(state->emissive_faintest, 1e-30f) : 0.0f;
+    job->block.counts[1] = renderer->buffers.list.directional;
+    job->block.counts[2] = renderer->buffers.list.placed;
     job->block.window[0] = rectangle->x;
     job->block.window[1] = rectangle->y;
     job->block.window[2] = rectangle->x + (int32_t)rectangle->width;

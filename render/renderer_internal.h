@@ -302,6 +302,8 @@ void gw_background_stop(gw_background **background);
 /* Sets made, failed, busy; accepts NULL. */
 void gw_background_count(gw_background *background, uint32_t *made, uint32_t *failed, int *busy);
 
+/* renderer_lights.c: "lights" of gw_renderer_report(). */
+gw_code gw_renderer_report_lights(const gw_renderer *renderer, json_t *report, gw_error *error);
 /* renderer_effects.c: what effects get to do is counted from the first to the second. */
 gw_code gw_effects_begin(gw_frame_job *job, gw_error *error);
 gw_code gw_effects_end(gw_frame_job *job, gw_error *error);

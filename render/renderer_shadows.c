@@ -74,7 +74,7 @@ static gw_code kernel_of(const gw_frame_job *job, const char *name, gw_features 
 static gw_code list_rays(gw_frame_job *job, size_t slots, int resume, uint32_t kept_begin, uint32_t *count,
                          gw_error *error) {
     const gw_features features = GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_SPARSE |
-                                 GW_FEATURE_SPOT_LIGHTS | GW_FEATURE_AREA_LIGHTS;
+                                 GW_FEATURE_SPOT_LIGHTS | GW_FEATURE_AREA_LIGHTS | GW_FEATURE_EMISSIVE_LIGHTS;
     uint32_t totals[GW_TOTAL_WORDS];
     GLuint program = 0;
     gw_code code = kernel_of(job, "shade/list_shadows.comp", features, resume, &program, error);
@@ -99,7 +99,7 @@ static gw_code trace_batch(gw_frame_job *job, uint32_t begin, uint32_t count, gw
     const gw_features features = GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_SPARSE | GW_FEATURE_ALPHA |
                                  GW_FEATURE_TEXTURES | GW_FEATURE_VERTEX_COLORS | GW_FEATURE_WIDE_NODES |
                                  GW_FEATURE_TRANSMISSION | GW_FEATURE_DENSE_LEAVES | GW_FEATURE_SPOT_LIGHTS |
-                                 GW_FEATURE_AREA_LIGHTS;
+                                 GW_FEATURE_AREA_LIGHTS | GW_FEATURE_EMISSIVE_LIGHTS;
     gw_renderer *renderer = job->renderer;
     gw_shadow_buffers *shadows = job->shadows;
     gw_code code = GW_OK;

@@ -189,27 +189,32 @@ static gw_code upload_octree(gw_gl *device, const gw_scene *scene, const gw_octr
     return code;
 }
 
+static gw_code upload_lights(gw_gl *device, const gw_light_list *list, gw_scene_buffers *out,
+                             gw_error *error) {
+    const size_t bytes = gw_light_list_bytes(list);
+    void *memory = NULL;
+    gw_code code = gw_allocate(&memory, bytes, 1, "lights for the GPU", error);
+    if (!code) {
+        gw_light_list_copy(list, memory);
+        code = gw_gl_buffer_create(device, "lights", bytes, memory, GL_RGBA32UI, &out->lights, error);
+    }
+    free(memory);
+    return code;
+}
+
 gw_code gw_scene_buffers_light(gw_gl *device, const gw_scene *scene, const gw_light_knobs *knobs,
                                gw_scene_buffers *buffers, gw_error *error) {
     gw_light from_environment[GW_MAXIMUM_ENVIRONMENT_LIGHTS];
-    gw_light_list list = {0};
     uint32_t count = 0;
     gw_gl_buffer_finish(&buffers->lights);
+    gw_light_list_finish(&buffers->list);
     gw_environment_textures_finish(&buffers->environment);
     gw_code code = gw_environment_textures_init(scene, knobs->environment_lights, from_environment, &count,
                                                 &buffers->environment, error);
     if (!code)
-        code = gw_light_list_make(scene, from_environment, count, knobs, &list, error);
-    buffers->directional_count = list.directional;
-    buffers->placed_count = list.placed;
+        code = gw_light_list_make(scene, from_environment, count, knobs, &buffers->list, error);
     buffers->environment_count = count;
-    buffers->wide_lights = list.wide;
-    if (!code)
-        code = gw_gl_buffer_create(device, "lights",
-                                   ((size_t)list.directional + list.placed) * sizeof *list.rows, list.rows,
-                                   GL_RGBA32UI, &buffers->lights, error);
-    gw_light_list_finish(&list);
-    return code;
+    return code ? code : upload_lights(device, &buffers->list, buffers, error);
 }
 
 gw_code gw_scene_buffers_init(gw_gl *device, const gw_scene *scene, const gw_octree *octree, int extensions,
@@ -257,6 +262,7 @@ gw_code gw_scene_buffers_move(gw_gl *device, const gw_scene *scene, const gw_oct
 }
 
 void gw_scene_buffers_finish(gw_scene_buffers *buffers) {
+    gw_light_list_finish(&buffers->list);
     gw_texture_set_finish(&buffers->textures);
     gw_environment_textures_finish(&buffers->environment);
     gw_texture_set_finish(&buffers->data);

@@ -21,9 +21,8 @@ typedef struct gw_scene_buffers {
     gw_texture_set data;
     GLuint albedo_table, sheen_table; /* render/albedo_table.h; the second 0 where nothing has sheen */
     uint32_t root_grid_level;         /* of the grid behind the nodes (root_grid.h), 0: none */
-    uint32_t directional_count, placed_count; /* lights, in this order in the buffer */
-    uint32_t environment_count;               /* of the directional ones */
-    int wide_lights;                          /* some have an extent */
+    gw_light_list list;               /* what the buffer of lights holds */
+    uint32_t environment_count;       /* lights of it that the environment has */
     gw_environment_textures environment;
 } gw_scene_buffers;
 

@@ -45,6 +45,8 @@ static const float_field float_fields[] = {
     {"edge_normal", offsetof(gw_frame_state, edge_normal), 1, 180},
     {"occlusion_distance", offsetof(gw_frame_state, occlusion_distance), 0.001, 2},
     {"exposure", offsetof(gw_frame_state, exposure), -24, 24},
+    {"emissive_faintest", offsetof(gw_frame_state, emissive_faintest), 0, 1e9},
+    {"emissive_least", offsetof(gw_frame_state, emissive_least), 0, 1},
 };
 
 typedef struct byte_field {
@@ -74,6 +76,7 @@ static const byte_field byte_fields[] = {
     {"near_light", offsetof(gw_frame_state, near_light), UINT8_MAX},
     {"shadow_samples", offsetof(gw_frame_state, shadow_samples), 2},
     {"environment_lights", offsetof(gw_frame_state, environment_lights), 64},
+    {"emissive_lights", offsetof(gw_frame_state, emissive_lights), 64},
     {"bounces", offsetof(gw_frame_state, bounces), 8},
 };
 

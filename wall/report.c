@@ -14,7 +14,7 @@ static const char *const keys[] = {"version",    "command", "device",       "sce
                                    "memory",     "tiles",   "frames",       "ended",    "frame_ms",
                                    "counters",   "effects", "profile",      "settings", "predicted_error",
                                    "latency_ms", "gate",    "swap_skew_ms", "tracking", "float_environment",
-                                   "build",      "image",   "site_reloads"};
+                                   "build",      "image",   "site_reloads", "lights"};
 
 static json_t *command_text(int argc, char **argv) {
     size_t size = 1;

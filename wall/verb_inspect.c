@@ -211,6 +211,34 @@ static void print_octree(const gw_octree *t, const gw_scene *scene, double build
     print_hash("    hash           ", t->hash);
 }
 
+static void print_lights(const json_t *report) {
+    size_t i;
+    json_t *light;
+    const json_t *lights = json_object_get(report, "lights"), *faint = json_object_get(lights, "faint");
+    json_array_foreach(json_object_get(lights, "list"), i, light) {
+        const json_t *rgb = json_object_get(light, "irradiance"),
+                     *angle = json_object_get(light, "angle_deg"), *reach = json_object_get(light, "reach_m"),
+                     *triangles = json_object_get(light, "triangles");
+        printf("%-18s %s of the %s, irradiance %.3g,%.3g,%.3g%s, extent %.3g %s, %d shadow ray%s a pixel",
+               i ? "" : "lights", json_string_value(json_object_get(light, "kind")),
+               json_string_value(json_object_get(light, "of")), json_number_value(json_array_get(rgb, 0)),
+               json_number_value(json_array_get(rgb, 1)), json_number_value(json_array_get(rgb, 2)),
+               angle ? "" : " at 1 m", json_number_value(angle ? angle : json_object_get(light, "extent_m")),
+               angle ? "degrees" : "m", (int)json_integer_value(json_object_get(light, "shadow_rays")),
+               json_integer_value(json_object_get(light, "shadow_rays")) == 1 ? "" : "s");
+        if (triangles)
+            printf(", %d triangles, %.2g of it folded", (int)json_integer_value(triangles),
+                   json_number_value(json_object_get(light, "folded")));
+        if (reach)
+            printf(", ends at %.3g m", json_number_value(reach));
+        printf("\n");
+    }
+    if (json_integer_value(json_object_get(faint, "triangles")) > 0)
+        printf("    faint          %d triangles glow and are no light: %.2g of the power of all that do\n",
+               (int)json_integer_value(json_object_get(faint, "triangles")),
+               json_number_value(json_object_get(faint, "share")));
+}
+
 static void print_effects(const json_t *report) {
     size_t i;
     json_t *item;
@@ -299,6 +327,7 @@ static gw_code inspect_scene(gw_model *model, const inspect_options *o, const gw
     print_octree(model->octree, model->scene, model->build_ms);
     gw_inspect_print_levels(&inspected);
     gw_inspect_print_memory(&inspected, model->scene);
+    print_lights(report);
     print_effects(report);
     if (o->validate)
         printf("validated          every invariant of the octree holds\n");

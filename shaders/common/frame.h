@@ -33,7 +33,8 @@ GW_VEC4(acuity);     // slope, smallest period deg, voxel_slab, voxel_flatness
 GW_VEC4(background); // linear radiance; w: least_remainder
 GW_VEC4(ambient);    // linear irradiance; w: fold_agreement
 GW_VEC4(environment); // turns by which it is rotated, texels per radian, 1 where there is one
-GW_VEC4(environment_mean); // irradiance over pi, mean over all directions, of what no light stands for
+GW_VEC4(environment_mean); // irradiance over pi, mean over all directions, of what no light stands for; w: radiance from which on
+                           // lights stand for what surfaces emit, 0: they do not
 GW_VEC4(secondary);  // shadow_tau, mirror_roughness, near_light, least_throughput
 GW_UVEC4(media);      // that the eye is in (shade/media.glsl), 0, 0
 GW_IVEC4(window);    // rectangle: x and y of its first pixel, x and y past its last
@@ -102,14 +103,27 @@ GW_STRUCT_END(gw_gpu_extension)
 
 // Light, GW_LIGHT_ROWS texels.
 #define GW_LIGHT_ROWS 5
+// More would not be gone through: with the 8 fragments of a ray 57,344 iterations, of 65,535 that some drivers allow an invocation.
+#define GW_MOST_LIGHTS 7168
 GW_STRUCT_BEGIN(gw_gpu_light)
 GW_VEC4(vector); // unit direction towards the light, or position in rebased space; w: 1 for one taken from the environment
 GW_VEC4(color);  // irradiance (at 1 m); w: 1 / range^2, 1/m^2, 0: no end
 GW_VEC4(axis);   // unit direction in which a spot shines, or a rectangle's side, rebased; w: radius of a sphere, rebased, or 1 - cos of
                  // a disc's half-angle; 0: hard shadows
 GW_VEC4(shape);  // scale and offset of the cosine in a cone; which part of its light this row is, of how many
-GW_VEC4(side);   // a rectangle's other side, rebased; w: 1 for a rectangle
+GW_VEC4(side);   // a rectangle's other side, rebased; w: 1 for a rectangle, GW_LIGHT_EMISSIVE for emissive triangles, whose xy are
+                 // the bits of their first slot's place (texels of this buffer) and of the number of slots
 GW_STRUCT_END(gw_gpu_light)
+#define GW_LIGHT_EMISSIVE 2.0
+
+// A part of an emissive triangle (render/emissive_lights.h), GW_EMISSIVE_ROWS texels behind the lights. words: triangle;
+// GW_EMITS_BOTH_WAYS or 0; bits of where its part of the triangle begins, 0..1 of the area from the first corner on, and of how much it is.
+#define GW_EMISSIVE_ROWS 2
+#define GW_EMITS_BOTH_WAYS 1u
+GW_STRUCT_BEGIN(gw_emissive_slot)
+GW_UVEC4(words);
+GW_VEC4(light); // irradiance at 1 m if all of its light came from here, turned to there; w: area that this takes, rebased
+GW_STRUCT_END(gw_emissive_slot)
 
 // First word of a triangle's first fourth component, in the renderer's copy.
 #define GW_TRIANGLE_ALPHA 1u    // its material masks or blends: what it covers is decided where it is hit

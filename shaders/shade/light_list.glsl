@@ -1,4 +1,4 @@
-layout(binding = 7) uniform usamplerBuffer lights; // gw_gpu_light: directional ones first, then those with a place
+layout(binding = 7) uniform usamplerBuffer lights; // gw_gpu_light: directional ones first, then those with a place; gw_emissive_slot
 
 uint light_count() {
     return frame.counts.y + frame.counts.z;
@@ -11,9 +11,13 @@ vec4 light_row(uint light, int row) {
 // What a cone and a range leave of a light with a place, seen along the unit direction `towards` from `metres` away
 // (KHR_lights_punctual).
 float share_of_light(uint light, vec3 towards, float metres) {
+#if defined(SPOT_LIGHTS) || defined(EMISSIVE_LIGHTS)
 #ifdef SPOT_LIGHTS
     vec4 shape = light_row(light, 3);
     precise float cone = clamp(shape.y - shape.x * dot(light_row(light, 2).xyz, towards), 0.0, 1.0);
+#else
+    const float cone = 1.0;
+#endif
     precise float squared = metres * metres * light_row(light, 1).w;
     precise float share = cone * cone * max(1.0 - squared * squared, 0.0);
     return share;

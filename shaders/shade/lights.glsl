@@ -7,8 +7,22 @@
 #endif
 #include "shade/area_light.glsl"
 
-// fragment: which of the dispatch it is.
-vec3 light_surface(Surface surface, vec3 view, uint fragment) {
+#ifdef EMISSIVE_LIGHTS
+// A point of an emissive surface stands for a part of it, so its highlight is as wide as that part looks (Karis, Real Shading in Unreal
+// Engine 4, 2013).
+Surface widened_by(Surface surface, float angle) {
+    precise float wide = sqrt(min(surface.roughness * surface.roughness + angle, 1.0));
+    surface.roughness = angle > 0.0 ? wide : surface.roughness;
+#ifdef CLEARCOAT
+    precise float wide_coat = sqrt(min(surface.coat_roughness * surface.coat_roughness + angle, 1.0));
+    surface.coat_roughness = angle > 0.0 ? wide_coat : surface.coat_roughness;
+#endif
+    return surface;
+}
+#endif
+
+// fragment: which of the dispatch it is; seen: what share of the highlights of surfaces that emit light secondary rays bring.
+vec3 light_surface(Surface surface, vec3 view, uint fragment, float seen) {
     precise vec3 radiance = surface.emissive + reflect_environment(surface, view, irradiance_around(surface), radiance_around(surface, view));
 #ifdef DIRECTIONAL_LIGHTS
     for (uint i = 0u; i < frame.counts.y; ++i) {
@@ -19,14 +33,20 @@ vec3 light_surface(Surface surface, vec3 view, uint fragment) {
         radiance += reflect_light(surface, view, point_of_light(i, surface.position).towards, light_row(i, 1).xyz, highlight) * VISIBILITY(fragment, i);
     }
 #endif
-#if defined(POINT_LIGHTS) || defined(SPOT_LIGHTS)
+#if defined(POINT_LIGHTS) || defined(SPOT_LIGHTS) || defined(EMISSIVE_LIGHTS)
     for (uint i = frame.counts.y; i < frame.counts.y + frame.counts.z; ++i) {
         Light_point point = point_of_light(i, surface.position);
         vec3 intensity = light_row(i, 1).xyz * point.share;
         precise float metres = max(max(point.distance, 1e-12) * frame.eye.w, 1e-3);
         vec3 towards = point.towards / max(length_precise(point.towards), 1e-12);
         intensity *= share_of_light(i, towards, metres);
-        radiance += reflect_light(surface, view, towards, intensity / (metres * metres), 1.0) * VISIBILITY(fragment, i);
+        Surface lit = surface;
+        float highlight = 1.0;
+#ifdef EMISSIVE_LIGHTS
+        lit = widened_by(surface, point.angle);
+        highlight = is_emissive(i) ? 1.0 - seen : 1.0;
+#endif
+        radiance += reflect_light(lit, view, towards, intensity / (metres * metres), highlight) * VISIBILITY(fragment, i);
     }
 #endif
     return radiance;

@@ -16,6 +16,7 @@
 // variants: OCTREE_DEPTH=11 LOD=1 NORMAL_MAPS=1 MATERIAL_MAPS=1 DATA_CLASSES=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 LOD=1 REFLECTED=1 SECONDARY=1 CONES=1 OCCLUSION=1 DIFFUSE=1 MIRROR=1 TRANSMISSION=1 ALPHA=1 ABSORPTION=1 UNLIT=1 SHEEN=1 CLEARCOAT=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 LOD=1 SECONDARY=1 CONES=1 OCCLUSION=1 FRAGMENTS=8u; OCTREE_DEPTH=11 LOD=1 REFLECTED=1 SECONDARY=1 CONES=1 OCCLUSION=1 DIFFUSE=1 MIRROR=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 EMISSIVE_LIGHTS=1 EMISSIVE=1 CLEARCOAT=1; OCTREE_DEPTH=11 LOD=1 REFLECTED=1 SECONDARY=1 CONES=1 DIFFUSE=1 MIRROR=1 TRANSMISSION=1 ALPHA=1 EMISSIVE_LIGHTS=1 SHADOWS=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 DEBUG_VIEW=1; OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=2; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=4
 // variants: OCTREE_DEPTH=11 GAZE=1 SPARSE=1 DEBUG_VIEW=5; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=6; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=7
 #ifndef OCTREE_DEPTH
@@ -198,7 +199,20 @@ void main() {
 #ifdef TRANSMISSION
         rest.base_color *= 1.0 - optics.share; // what goes through is not scattered
 #endif
-        precise vec3 lit = light_surface(rest, view, slot * FRAGMENTS + i);
+#if defined(CONES) && defined(REFLECTED) && defined(EMISSIVE_LIGHTS)
+        // Lights bring it where cones start.
+        float brightest = max(max(rest.emissive.r, rest.emissive.g), rest.emissive.b), least = frame.environment_mean.w;
+        rest.emissive *= ray.reach != 0.0 && least > 0.0 && brightest >= least ? 1.0 - lit_of(rest) : 1.0;
+#endif
+        float seen = 0.0;
+#if defined(EMISSIVE_LIGHTS) && defined(MIRROR)
+        seen = (GW_ASKED_KINDS(asked_of[slot * FRAGMENTS + i]) & GW_RAY_REFLECTED) != 0u ? mirror_share(id) : 0.0;
+#endif
+#if defined(EMISSIVE_LIGHTS) && defined(TRANSMISSION)
+        bool reflects = optics.sheer && (GW_ASKED_KINDS(asked_of[slot * FRAGMENTS + i]) & GW_RAY_REFLECTED) != 0u;
+        seen = reflects ? 1.0 : seen;
+#endif
+        precise vec3 lit = light_surface(rest, view, slot * FRAGMENTS + i, seen);
 #ifdef SECONDARY
         lit = with_secondary(lit, rest, view, id, slot * FRAGMENTS + i);
 #endif

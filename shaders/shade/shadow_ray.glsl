@@ -10,7 +10,7 @@ const float BEFORE_POINT_LIGHT = 1.0 - 1.0 / 1048576.0;
 // Where a light with a place is met, whatever rounding the way there has.
 vec3 light_place(uint light, vec3 from, vec3 towards) {
     vec3 place = light_row(light, 0).xyz;
-#ifdef AREA_LIGHTS
+#ifdef WIDE_LIGHTS
     precise vec3 met = from + towards;
     place = light_row(light, 2).w > 0.0 || light_row(light, 4).w > 0.0 ? met : place;
 #endif
@@ -42,11 +42,11 @@ Shadow_ray shadow_ray_of(uint id, float t, vec3 origin, vec3 direction, float wi
     Shadow_ray ray;
     // Light from behind reaches no surface; what lies in a voxel faces all ways as far as its normals disagree.
     ray.needed = rise > 0.0 || start.agreement < 1.0;
-#ifdef SPOT_LIGHTS
+#if defined(SPOT_LIGHTS) || defined(EMISSIVE_LIGHTS)
     float reached = point ? share_of_light(light, towards / max(far, 1e-12), far * frame.eye.w) : 1.0;
     ray.needed = ray.needed && reached > 0.0;
 #endif
-    ray.needed = ray.needed && met.share > 0.0;
+    ray.needed = ray.needed && max(max(met.share.r, met.share.g), met.share.b) > 0.0;
     ray.width = width;
     ray.narrowing = point ? width : 0.0;
     ray.maximum = point ? BEFORE_POINT_LIGHT : 1e30;

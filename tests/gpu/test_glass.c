@@ -316,10 +316,10 @@ static const look before = {{0.5, 0.35, 3}, {0, 0, 0}, 30};
 
 static void open_stage(gw_stage *stage, gw_camera *camera, gw_scene *scene, const look *from,
                        const char *shaders) {
-    check_ok(gw_stage_open(
-        stage, scene, shaders,
-        (const char *const[]){"octree_depth=7", "least_throughput=0", "bounces=5", "tau_inside=0", NULL},
-        &error));
+    check_ok(gw_stage_open(stage, scene, shaders,
+                           (const char *const[]){"octree_depth=7", "least_throughput=0", "bounces=5",
+                                                 "tau_inside=0", "emissive_lights=0", NULL},
+                           &error));
     gw_camera_look(camera, stage, from->eye, from->target, from->fov, SIDE);
 }
 

@@ -27,7 +27,7 @@ static void keys_are_all_there_and_null(void **state) {
                                        "tracking",     "build",
                                        "swap_skew_ms", "float_environment",
                                        "image",        "gate",
-                                       "site_reloads"};
+                                       "site_reloads", "lights"};
     json_t *report = new_report();
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++)
         assert_true(json_is_null(json_object_get(report, keys[i])));

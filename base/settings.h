@@ -185,8 +185,10 @@
            "delay of every sample on its way, as if the tracker or its network were slower")                             \
     GW_ROW(texture_filter, CHOICE, 2, 0, 2, "nearest|bilinear|trilinear", FRAME, "", "texture aliasing against fetches", \
            "trilinear", "how base-colour textures are read at the ray's footprint")                                    \
-    GW_ROW(triangle_precision, CHOICE, 0, 0, 1, "float|double", FRAME, "", "rounding at shared edges against time",    \
-           "double", "arithmetic of the watertight triangle test where an edge product is exactly zero")
+    GW_ROW(triangle_precision, CHOICE, 0, 0, 2, "float|double|ordered", FRAME, "",                                      \
+           "rounding at shared edges against time", "double",                                                          \
+           "edge products of the triangle test: double takes those that are exactly zero again; ordered is watertight even where " \
+           "precise does not hold (inspect --device)")
 /* clang-format on */
 
 typedef struct gw_settings {
@@ -218,7 +220,7 @@ enum { GW_GEOMETRY_HYBRID, GW_GEOMETRY_TRIANGLES, GW_GEOMETRY_VOXELS };
 enum { GW_FILTER_NEAREST, GW_FILTER_BILINEAR, GW_FILTER_TRILINEAR };
 enum { GW_GAZE_ACUITY, GW_GAZE_SEED };
 enum { GW_RECONSTRUCTION_BILINEAR, GW_RECONSTRUCTION_CUBIC, GW_RECONSTRUCTION_EDGE_AWARE };
-enum { GW_PRECISION_FLOAT, GW_PRECISION_DOUBLE };
+enum { GW_PRECISION_FLOAT, GW_PRECISION_DOUBLE, GW_PRECISION_ORDERED };
 
 typedef struct gw_setting_row {
     const char *name;

@@ -259,6 +259,8 @@ gw_code gw_kernel_defines(const gw_kernel_key *key, char *text, size_t size, gw_
         append(&out, "#define VOXEL_EMISSION 1\n");
     if (key->double_edges)
         append(&out, "#define DOUBLE_EDGES 1\n");
+    if (key->ordered_edges)
+        append(&out, "#define ORDERED_EDGES 1\n");
     if (key->count)
         append(&out, "#define COUNT 1\n");
     if (key->any_hit)

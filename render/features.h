@@ -107,7 +107,7 @@ typedef struct gw_kernel_key {
     uint32_t root_grid;       /* level of the grid at which a walk without voxels starts, 0: at the root */
     uint32_t loop_budget;
     uint32_t debug; /* gw_debug_view */
-    int voxels_only, level_blend, leaf_blend, double_edges, count, resume, any_hit;
+    int voxels_only, level_blend, leaf_blend, double_edges, ordered_edges, count, resume, any_hit;
     int reflected;      /* its rays are secondary ones, from a buffer */
     int until_coarse;   /* the first round of a frame with voxels: see renderer_batch.c */
     int gaze_seed;      /* gaze_rule = seed */

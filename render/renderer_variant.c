@@ -43,6 +43,7 @@ gw_kernel_key gw_frame_key(const gw_renderer *renderer, const gw_frame_state *st
         .leaf_blend = lod && state->leaf_blend,
         .voxel_emission = lod && renderer->octree->emissions != NULL,
         .double_edges = state->triangle_precision == GW_PRECISION_DOUBLE,
+        .ordered_edges = state->triangle_precision == GW_PRECISION_ORDERED,
         .count = renderer->count || shows_work(state->debug),
         .guides = (features & GW_FEATURE_SPARSE) && viewers > 0 && state->sample_block > 0 &&
                   state->reconstruction == GW_RECONSTRUCTION_EDGE_AWARE && state->gaze_rule == GW_GAZE_ACUITY,

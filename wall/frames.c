@@ -66,7 +66,7 @@ static const byte_field byte_fields[] = {
     {"rate_blend", offsetof(gw_frame_state, rate_blend), 1},
     {"coarse_samples", offsetof(gw_frame_state, coarse_samples), 3},
     {"samples", offsetof(gw_frame_state, samples), 4},
-    {"triangle_precision", offsetof(gw_frame_state, triangle_precision), GW_PRECISION_DOUBLE},
+    {"triangle_precision", offsetof(gw_frame_state, triangle_precision), GW_PRECISION_ORDERED},
     {"cones", offsetof(gw_frame_state, cones), GW_MAXIMUM_CONES},
     {"diffuse_bounce", offsetof(gw_frame_state, diffuse_bounce), 1},
     {"tone", offsetof(gw_frame_state, tone), GW_TONE_FILMIC},

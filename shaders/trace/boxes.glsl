@@ -12,8 +12,8 @@ bool meets_box(vec3 low, vec3 high) {
     vec3 entries = (mix(low, high, negative) - ray_origin) * inverse;
     vec3 exits = (mix(high, low, negative) - ray_origin) * inverse;
     const float widen = 1.0 / 1048576.0;
-    entries -= abs(entries) * widen;
-    exits += abs(exits) * widen;
+    entries = multiply_add(-abs(entries), vec3(widen), entries);
+    exits = multiply_add(abs(exits), vec3(widen), exits);
     return max(entries.x, max(entries.y, entries.z)) <= min(exits.x, min(exits.y, exits.z)) &&
            along_shear(entries).z <= hit_t && along_shear(exits).z >= floor_t;
 }

@@ -144,10 +144,10 @@ bool enter_root(float minimum) {
     const float widen = 1.0 / 1048576.0;
     float entry = max(entries.x, max(entries.y, entries.z));
     float leave = min(exits.x, min(exits.y, exits.z));
-    entry = entry - abs(entry) * widen;
-    root_exit = leave + abs(leave) * widen;
+    entry = multiply_add(-abs(entry), widen, entry);
+    root_exit = multiply_add(abs(leave), widen, leave);
     cell_entry = max(entry, max(minimum, 0.0));
-    precise vec3 start = grid_origin + grid_direction * cell_entry;
+    vec3 start = multiply_add(grid_direction, vec3(cell_entry), grid_origin);
     cell = ivec3(clamp(start, vec3(0.0), vec3(float(GRID_SIDE - 1))));
     restart();
     in_root = finite && cell_entry <= root_exit;
@@ -161,6 +161,12 @@ float exit_of(int s) {
     return min(planes.x, min(planes.y, planes.z));
 }
 
+#ifdef HITS_WITHIN_CELLS
+bool in_present_cell(float t) {
+    return t >= cell_entry && t <= exit_of(scale);
+}
+#endif
+
 float least_of(vec3 v) {
     float yz = v.z < v.y ? v.z : v.y; // not min(): software GL spends two instructions more on not-a-number
     return yz < v.x ? yz : v.x;
@@ -172,7 +178,7 @@ int find_way_on(int s, out ivec3 next, out float leave) {
     ivec3 upper = ((cell >> s) + 1) << s;
     precise vec3 planes = (vec3(upper) - grid_origin) * grid_inverse;
     leave = least_of(planes);
-    precise vec3 at = grid_origin + grid_direction * leave;
+    vec3 at = multiply_add(grid_direction, vec3(leave), grid_origin);
     next = mix(min(max(ivec3(at), cell), upper - 1), upper, lessThanEqual(planes, vec3(leave)));
     ivec3 changed = cell ^ next;
     return findMSB(uint(changed.x | changed.y | changed.z));

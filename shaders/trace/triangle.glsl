@@ -7,6 +7,7 @@
 // weighted sum of vertex depths where a triangle is large (traversal.md 4), kept within the depths of the vertices so
 // that an edge-on triangle cannot answer with a wild t.
 #include "trace/fetch.glsl"
+#include "trace/products.glsl"
 
 vec3 ray_origin, ray_direction; // the true ray, not clamped, not mirrored
 int shear_axis;                 // the direction's largest component
@@ -58,15 +59,21 @@ vec3 exact_edges(vec2 a, vec2 b, vec2 c, vec3 edges) {
 }
 #endif
 
-void test_vertices(vec3 va, vec3 vb, vec3 vc, uint id, uint flags) {
+#ifdef FAST_TRIANGLES
+#include "trace/fast_triangle.glsl"
+#else
+// Whether the ray passes within the triangle; t there, and whether it meets the back. That is told by the edge products, not by
+// the normal: where a closed surface is grazed both round, but only the products agree between neighbours, so that what enters
+// leaves again (tests/hard/test_watertight.c).
+bool meet_triangle(vec3 va, vec3 vb, vec3 vc, out float t, out bool back) {
     precise vec3 from_origin = va - ray_origin;
     precise vec3 a = along_shear(from_origin);
     precise vec3 b = along_shear(vb - ray_origin);
     precise vec3 c = along_shear(vc - ray_origin);
-    precise vec2 a2 = a.xy - shear.xy * a.z;
-    precise vec2 b2 = b.xy - shear.xy * b.z;
-    precise vec2 c2 = c.xy - shear.xy * c.z;
-    precise vec3 edges = vec3(c2.x * b2.y - c2.y * b2.x, a2.x * c2.y - a2.y * c2.x, b2.x * a2.y - b2.y * a2.x);
+    vec2 a2 = sheared(a, shear.xy);
+    vec2 b2 = sheared(b, shear.xy);
+    vec2 c2 = sheared(c, shear.xy);
+    vec3 edges = vec3(edge_product(c2, b2), edge_product(a2, c2), edge_product(b2, a2));
 #ifdef DOUBLE_EDGES
     edges = exact_edges(a2, b2, c2, edges);
 #endif
@@ -76,23 +83,45 @@ void test_vertices(vec3 va, vec3 vb, vec3 vc, uint id, uint flags) {
     vec2 most = max(max(a2, b2), c2);
     // Seen edge-on, the products of a triangle far beside the ray are rounding, and may agree in sign by chance.
     bool near = all(lessThanEqual(vec4(least, -most), vec4(0.0)));
-    bool inside = one_side && near && any(notEqual(edges, vec3(0.0)));
 
     precise vec3 ab = vb - va;
     precise vec3 ac = vc - va;
-    precise vec3 normal = vec3(ab.y * ac.z - ab.z * ac.y, ab.z * ac.x - ab.x * ac.z, ab.x * ac.y - ab.y * ac.x);
-    precise float above = from_origin.x * normal.x + from_origin.y * normal.y + from_origin.z * normal.z;
-    precise float along = ray_direction.x * normal.x + ray_direction.y * normal.y + ray_direction.z * normal.z;
+    vec3 normal = vec3(product_difference(ab.y, ac.z, ab.z, ac.y), product_difference(ab.z, ac.x, ab.x, ac.z),
+                       product_difference(ab.x, ac.y, ab.y, ac.x));
+    float along = sum_of_products(ray_direction, normal);
     precise vec3 depths = vec3(a.z, b.z, c.z) * shear.z;
+#ifdef WEIGHTED_DEPTHS // the naive variant: t as the paper has it
+    t = (edges.x * depths.x + edges.y * depths.y + edges.z * depths.z) / (edges.x + edges.y + edges.z);
+#else
     float nearest = min(depths.x, min(depths.y, depths.z));
     float farthest = max(depths.x, max(depths.y, depths.z));
-    precise float t = above / along;
-    t = t >= nearest ? min(t, farthest) : nearest; // NaN (edge-on) becomes the nearest vertex
+    precise float of_plane = sum_of_products(from_origin, normal) / along;
+    t = of_plane >= nearest ? min(of_plane, farthest) : nearest; // NaN (edge-on) becomes the nearest vertex
+#endif
+#ifdef FACING_BY_NORMAL // the naive variant
+    back = along > 0.0;
+#else
+    back = any(lessThan(edges, vec3(0.0))) == (shear.z > 0.0);
+#endif
+    return one_side && near && any(notEqual(edges, vec3(0.0)));
+}
+#endif
 
-    uint key = id | (along > 0.0 ? GW_HIT_BACK : 0u);
+#ifdef HITS_WITHIN_CELLS
+bool in_present_cell(float t); // trace/grid.glsl
+#endif
+
+void test_vertices(vec3 va, vec3 vb, vec3 vc, uint id, uint flags) {
+    float t;
+    bool back;
+    bool hit = meet_triangle(va, vb, vc, t, back);
+    uint key = id | (back ? GW_HIT_BACK : 0u);
     bool nearer = t < hit_t || (t == hit_t && key < hit_triangle);
     bool beyond = t > floor_t || (t == floor_t && key > floor_triangle);
-    bool hit = inside && nearer && beyond;
+    hit = hit && nearer && beyond;
+#ifdef HITS_WITHIN_CELLS // the naive variant, for the test that shows why
+    hit = hit && in_present_cell(t);
+#endif
 #ifdef TRANSMISSION
     hit = hit && id != skipped_triangle;
 #endif

@@ -123,7 +123,8 @@ gw_code gw_renderer_geometry(gw_renderer *renderer, const gw_similarity *placeme
                              const gw_geometry *out, gw_error *error);
 
 /* Rays for oracles and benches, in rebased space; directions need not be unit, t is in units of the
- * direction. */
+ * direction. One whose components are all subnormal is none, and the ray a miss: devices may take them for
+ * zero. */
 typedef struct gw_ray {
     float origin[3], minimum; /* hits with minimum < t <= maximum count; minimum is 0 as a rule */
     float direction[3], maximum;

@@ -4,7 +4,11 @@
 
 // 2^-20 of the root cube's side 2: far above the rounding of the test and of the traversal's cell walk, so that a ray that
 // clips a corner the wrong way still finds the triangle in the cell it did enter. 1/32 of a cell at depth 15.
+#ifdef BOXES_AS_THEY_ARE
+#define GW_INFLATION 0.0 // the naive variant, for the test that shows why
+#else
 #define GW_INFLATION 1.9073486328125e-06
+#endif
 // Bound of the relative rounding of a product difference, with room to spare: 2^-21.
 #define GW_PRODUCT_SLACK 4.76837158203125e-07
 

@@ -33,6 +33,7 @@
 #endif
 layout(local_size_x = 64) in;
 #include "common/frame_block.glsl"
+#include "common/finite.glsl"
 uniform uint group_base;
 layout(std430, binding = 0) readonly buffer Fragments { uint fragments[]; };
 layout(std430, binding = 1) readonly buffer Statuses { uvec2 statuses[]; };
@@ -253,7 +254,7 @@ void main() {
     const uvec4 work = uvec4(0u);
 #endif
     color = debug_pixel(color, square, ray, work);
-    if (!all(lessThan(abs(color), vec3(1e30)))) {
+    if (!finite(color)) {
         atomicAdd(totals[1], 1u);
         color = frame.background.rgb;
     }

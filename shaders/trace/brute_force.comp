@@ -18,8 +18,7 @@ void main() {
         return;
     Scaled_ray ray = load_ray(slot);
     vec3 size = abs(ray.direction);
-    bool finite = all(lessThan(abs(ray.origin), vec3(1e30))) && all(lessThan(size, vec3(1e30))) &&
-                  any(greaterThan(size, vec3(0.5)));
+    bool traced = finite(ray.origin) && finite(ray.direction) && any(greaterThan(size, vec3(0.5)));
     set_ray(ray.origin, ray.direction);
     uvec2 before = hits[slot];
     bool first = range.x == 0u;
@@ -27,7 +26,7 @@ void main() {
     hit_t = hit_triangle == GW_NO_TRIANGLE ? ray.maximum : uintBitsToFloat(before.x) * ray.to_scaled;
     floor_t = ray.minimum;
     floor_triangle = GW_NO_TRIANGLE;
-    for (uint id = range.x; id < range.y && finite; ++id)
+    for (uint id = range.x; id < range.y && traced; ++id)
         test_triangle(id);
     store_hit(slot, ray, hit_t, hit_triangle);
 }

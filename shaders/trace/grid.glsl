@@ -128,8 +128,6 @@ void return_to(int s) {
 bool enter_root(float minimum) {
     vec3 size = abs(ray_direction);
     float largest = max(size.x, max(size.y, size.z));
-    bool finite = all(lessThan(abs(ray_origin), vec3(1e30))) && largest < 1e30 && largest > 1e-30 &&
-                  size.x < 1e30 && size.y < 1e30 && size.z < 1e30;
     bvec3 negative = lessThan(ray_direction, vec3(0.0));
     precise vec3 mirrored = mix(ray_origin, -ray_origin, negative);
     grid_origin = (mirrored + 1.0) * GRID_HALF;
@@ -150,7 +148,7 @@ bool enter_root(float minimum) {
     vec3 start = multiply_add(grid_direction, vec3(cell_entry), grid_origin);
     cell = ivec3(clamp(start, vec3(0.0), vec3(float(GRID_SIDE - 1))));
     restart();
-    in_root = finite && cell_entry <= root_exit;
+    in_root = finite(ray_origin) && finite(ray_direction) && largest > 1e-30 && cell_entry <= root_exit;
     return in_root;
 }
 

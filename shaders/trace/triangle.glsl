@@ -4,10 +4,11 @@
 // the ray's origin and sheared so that the ray is the z axis; the signs of three edge products decide. Neighbours use the
 // same products of a shared edge, negated, so no ray slips between them; zero counts as inside. Products are `precise`:
 // contracted to fma they would lose that antisymmetry. t comes from the plane's equation, which is more exact than the
-// weighted sum of vertex depths where a triangle is large (traversal.md 4), kept within the depths of the vertices so
-// that an edge-on triangle cannot answer with a wild t.
+// weighted sum of vertex depths where a triangle is large (traversal.md 4), kept within the depths that the triangle has on
+// the ray so that an edge-on triangle cannot answer with a wild t.
 #include "trace/fetch.glsl"
 #include "trace/products.glsl"
+#include "common/finite.glsl"
 
 vec3 ray_origin, ray_direction; // the true ray, not clamped, not mirrored
 int shear_axis;                 // the direction's largest component
@@ -59,6 +60,28 @@ vec3 exact_edges(vec2 a, vec2 b, vec2 c, vec3 edges) {
 }
 #endif
 
+// Between which depths the triangle can be on the ray: where its section by the plane u = 0, in which the ray lies, begins and
+// ends; u is that of the two coordinates beside the ray which has the wider spread, `least` its least. A triangle that lies in the
+// ray's plane but for rounding has no t of its own: within all of its depths it might be taken for nearer than where it is, and
+// then it hides what is before it, or the walk ends before the cells that hold it.
+vec2 depths_on_ray(vec3 u, float least, vec3 depths) {
+#ifdef DEPTHS_OF_VERTICES // the naive variant
+    return vec2(min(depths.x, min(depths.y, depths.z)), max(depths.x, max(depths.y, depths.z)));
+#else
+    // One vertex lies alone on its side: the section runs between the two edges that meet there.
+    bvec3 below = lessThan(u, vec3(least < 0.0 ? 0.0 : 1e-37));
+    bool c_alone = below.x == below.y;
+    bool b_alone = below.x == below.z;
+    vec2 alone = c_alone ? vec2(u.z, depths.z) : b_alone ? vec2(u.y, depths.y) : vec2(u.x, depths.x);
+    vec2 one = c_alone || b_alone ? vec2(u.x, depths.x) : vec2(u.y, depths.y);
+    vec2 other = c_alone ? vec2(u.y, depths.y) : vec2(u.z, depths.z);
+    precise vec2 share = vec2(alone.x / (alone.x - one.x), alone.x / (alone.x - other.x));
+    precise vec2 reach = vec2(one.y - alone.y, other.y - alone.y);
+    precise vec2 ends = alone.y + reach * share;
+    return vec2(min(ends.x, ends.y), max(ends.x, ends.y));
+#endif
+}
+
 #ifdef FAST_TRIANGLES
 #include "trace/fast_triangle.glsl"
 #else
@@ -93,10 +116,10 @@ bool meet_triangle(vec3 va, vec3 vb, vec3 vc, out float t, out bool back) {
 #ifdef WEIGHTED_DEPTHS // the naive variant: t as the paper has it
     t = (edges.x * depths.x + edges.y * depths.y + edges.z * depths.z) / (edges.x + edges.y + edges.z);
 #else
-    float nearest = min(depths.x, min(depths.y, depths.z));
-    float farthest = max(depths.x, max(depths.y, depths.z));
+    bool by_x = most.x - least.x > most.y - least.y;
+    vec2 range = depths_on_ray(by_x ? vec3(a2.x, b2.x, c2.x) : vec3(a2.y, b2.y, c2.y), by_x ? least.x : least.y, depths);
     precise float of_plane = sum_of_products(from_origin, normal) / along;
-    t = of_plane >= nearest ? min(of_plane, farthest) : nearest; // NaN (edge-on) becomes the nearest vertex
+    t = of_plane >= range.x ? min(of_plane, range.y) : range.x; // NaN (edge-on) becomes where the ray comes to the triangle
 #endif
 #ifdef FACING_BY_NORMAL // the naive variant
     back = along > 0.0;

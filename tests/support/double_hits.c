@@ -54,7 +54,9 @@ static void cross_plane(const vertices *v, const gw_ray *ray, gw_double_crossing
     out->t = along != 0 ? above / along : nearest;
     double rounding =
         along != 0 ? 2 * unit * (8 * above_terms + 8 * fabs(out->t) * along_terms) / fabs(along) : INFINITY;
-    /* Whatever the quotient, t stays within the vertices' depths. */
+    /* Whatever the quotient, t stays within the vertices' depths: a ray that passes a sliver within the
+     * rounding of its edges may cross the plane far from it. */
+    out->t = fmin(fmax(out->t, nearest), farthest);
     out->bound = fmin(rounding, farthest - nearest) + 8 * unit * fmax(fabs(farthest), fabs(nearest));
 }
 

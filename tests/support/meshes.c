@@ -121,6 +121,10 @@ static gw_code fill_arrays(const gw_mesh *mesh, gw_scene *scene, gw_error *error
 }
 
 gw_code gw_mesh_scene(const gw_mesh *mesh, gw_scene **out, gw_error *error) {
+    return gw_mesh_scene_without(mesh, 0, out, error);
+}
+
+gw_code gw_mesh_scene_without(const gw_mesh *mesh, double outlier_extents, gw_scene **out, gw_error *error) {
     gw_scene *scene = NULL;
     gw_code code = gw_allocate((void **)&scene, 1, sizeof *scene, "scene", error);
     if (code == GW_OK)
@@ -130,6 +134,7 @@ gw_code gw_mesh_scene(const gw_mesh *mesh, gw_scene **out, gw_error *error) {
         scene->materials[0] = (gw_material){
             .name = "grey", .base_color = {0.5f, 0.5f, 0.5f, 1}, .roughness = 1, .base_color_texture = -1};
         scene->path = gw_copy_text("test");
+        scene->outlier_extents = outlier_extents;
         for (int k = 0; k < 3; ++k)
             scene->ambient[k] = 1;
         code = gw_scene_finish(scene, mesh->points, error);

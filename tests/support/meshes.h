@@ -32,6 +32,8 @@ void gw_mesh_add_tetrahedron(gw_mesh *mesh, const double centre[3], double size)
 
 /* A finished scene with one grey material. The mesh is left alone. */
 gw_code gw_mesh_scene(const gw_mesh *mesh, gw_scene **out, gw_error *error);
+/* The same without what lies farther out than the setting outlier_extents says. */
+gw_code gw_mesh_scene_without(const gw_mesh *mesh, double outlier_extents, gw_scene **out, gw_error *error);
 
 /* The same for tests that end when it fails; the mesh is emptied. */
 gw_scene *gw_mesh_take(gw_mesh *mesh);

@@ -114,7 +114,7 @@ ALL_OBJECTS := $(OBJECTS) $(TREE)/wall/main.o $(TEST_SUPPORT) $(TEST_SOURCES:%.c
 
 # --- targets ---------------------------------------------------------------------------------------------------------
 
-.PHONY: all setup demo tests test hard soak compare fuzz fuzz-programs tools lint format docs tracks demo-track moving-scene install clean help
+.PHONY: all setup demo tests test hard soak compare fuzz fuzz-programs tools lint format docs tracks demo-track moving-scene record-ledger install clean help
 
 all: $(PROGRAMS) $(ARCHIVE) $(if $(PROGRAMS),$(OUT)/gazewall)
 
@@ -133,6 +133,7 @@ help:
 	@echo "make docs        write docs/settings.md from the table of settings"
 	@echo "make tracks      write the synthetic recordings of configs/tracks anew"
 	@echo "make demo-track  write configs/tracks/demo.vrpn anew from its formula"
+	@echo "make record-ledger  write tests/data/ledger.csv anew: the work and errors that tests hold frames to"
 	@echo "make install     PREFIX=$(PREFIX) DESTDIR=$(DESTDIR)"
 	@echo "make setup       only install what is missing (groups of .ci/packages: run test lint extra)"
 	@echo "make clean       remove $(OUT)"
@@ -193,6 +194,9 @@ tracks: $(PROGRAM)
 
 moving-scene: $(TREE)/tests/tools/make_moving_scene
 	$(quiet)$< configs/scenes/moving.gltf
+
+record-ledger: $(TREE)/tests/gpu/test_ledger
+	$(quiet)GW_RECORD_LEDGER=1 $<
 
 install: all
 	install -d '$(DESTDIR)$(PREFIX)/bin' '$(DESTDIR)$(PREFIX)/share/gazewall' '$(DESTDIR)$(PREFIX)/share/doc/gazewall/docs' \

@@ -53,7 +53,7 @@ static drawn_at by_seed(const gw_frame_block *in_force, const gw_frame_state *dr
 }
 
 double gw_predicted_error_at(const gw_frame_block *given, const gw_frame_block *in_force,
-                             const gw_frame_state *state, double x, double y) {
+                             const gw_frame_state *state, double least_cell, double x, double y) {
     const gw_frame_state drawn = gw_frame_state_in_force(state);
     const double own = sqrt(1.0 / in_force->counts[3]);
     double limit = 1;
@@ -63,9 +63,20 @@ double gw_predicted_error_at(const gw_frame_block *given, const gw_frame_block *
         here = drawn.gaze_rule == GW_GAZE_SEED ? by_seed(in_force, &drawn, own, x, y)
                                                : by_acuity(in_force, &drawn, own, x, y);
     }
-    if (drawn.geometry == GW_GEOMETRY_TRIANGLES)
+    /* A leaf begins to be its voxel at half its side (docs/rendering.md, "Voxels for triangles"). */
+    if (drawn.geometry == GW_GEOMETRY_TRIANGLES ||
+        (drawn.geometry == GW_GEOMETRY_HYBRID &&
+         2 * here.voxel * gw_sparse_widest_pixel(in_force, x, y) < least_cell))
         here.voxel = 0;
     return fmax(1, fmax(here.pitch, here.voxel) / limit);
+}
+
+/* Of the deepest level that has a node, rebased units. */
+static double least_cell_of(const gw_octree *octree) {
+    uint32_t level = octree->depth;
+    while (level > 0 && octree->level_begin[level] == octree->level_begin[level + 1])
+        --level;
+    return ldexp(2, -(int)level);
 }
 
 /* First place of the lattice at or after a pixel. */
@@ -87,11 +98,12 @@ gw_code gw_predict_error(const gw_scene *scene, const gw_octree *octree, const g
         code = gw_frame_block_fill(scene, octree, placement, plane, &drawn, &in_force, NULL, error);
     if (code)
         return code;
+    const double least = least_cell_of(octree);
     const int64_t end_x = (int64_t)rectangle->x + rectangle->width,
                   end_y = (int64_t)rectangle->y + rectangle->height;
     for (int64_t y = first_place(rectangle->y); y < end_y; y += GW_PREDICTION_STEP)
         for (int64_t x = first_place(rectangle->x); x < end_x; x += GW_PREDICTION_STEP) {
-            const double here = gw_predicted_error_at(&given, &in_force, state, (double)x, (double)y);
+            const double here = gw_predicted_error_at(&given, &in_force, state, least, (double)x, (double)y);
             const gw_predicted_error one = {.worst = here, .sum = here, .places = 1};
             gw_predicted_error_add(out, &one);
         }

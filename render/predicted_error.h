@@ -8,7 +8,9 @@
  * sqrt(samples) where a pixel counts by itself), footprint f = max(min(p, 1), gaze_footprint r') with r' the
  * spacing under the strained settings, and the tau in force there, the error is max(1, p / l, tau f / l).
  * With gaze_rule seed every pixel has its ray: f = (1 + d) / sqrt(samples), d the distance along the wall
- * from the ellipse over seed_distance, and p is up to 2 where rate_blend blurs. Plain values; any thread. */
+ * from the ellipse over seed_distance, and p is up to 2 where rate_blend blurs. Where even the octree's
+ * smallest cells are more than 2 tau f as wide as the ray is at most in the octree's cube, no voxel stands
+ * for anything and f is 0. Plain values; any thread. */
 #ifndef GW_RENDER_PREDICTED_ERROR_H
 #define GW_RENDER_PREDICTED_ERROR_H
 
@@ -27,9 +29,9 @@ typedef struct gw_predicted_error {
 enum { GW_PREDICTION_STEP = 32 };
 
 /* Error at a position of the plane, px: `given` and `in_force` are the blocks of the state with strain 1 and
- * of the state as it is drawn. */
+ * of the state as it is drawn, least_cell the side of the octree's smallest cells, rebased units. */
 double gw_predicted_error_at(const gw_frame_block *given, const gw_frame_block *in_force,
-                             const gw_frame_state *state, double x, double y);
+                             const gw_frame_state *state, double least_cell, double x, double y);
 
 /* Adds the places of a rectangle that is drawn from the state. */
 gw_code gw_predict_error(const gw_scene *scene, const gw_octree *octree, const gw_similarity *placement,

@@ -46,6 +46,11 @@ static double step_width(const float step[4], const double point[3]) {
     return sqrt(sum);
 }
 
+/* A pixel as seen in the direction of point, per unit of t: the wider axis. */
+static double width_at(const gw_frame_block *block, const double point[3]) {
+    return fmax(step_width(block->step_x, point), step_width(block->step_y, point));
+}
+
 static void point_at(const gw_frame_block *block, double x, double y, double out[3]) {
     for (int i = 0; i < 3; ++i)
         out[i] = (double)block->corner[i] + (double)block->step_x[i] * x + (double)block->step_y[i] * y;
@@ -56,8 +61,23 @@ double gw_sparse_spacing(const gw_frame_block *block, double x, double y) {
     point_at(block, x, y, point);
     for (uint32_t i = 0; i < block->counts[0]; ++i)
         least = fmin(least, spacing_of(block, &block->viewers[i], point));
-    double width = fmax(step_width(block->step_x, point), step_width(block->step_y, point));
+    double width = width_at(block, point);
     return width > 0 ? least / width : 0;
+}
+
+double gw_sparse_widest_pixel(const gw_frame_block *block, double x, double y) {
+    double point[3], enters = 0, leaves = INFINITY;
+    point_at(block, x, y, point);
+    for (int i = 0; i < 3; ++i) {
+        const double eye = (double)block->eye[i], one = (-1 - eye) / point[i], other = (1 - eye) / point[i];
+        if (point[i] != 0) {
+            enters = fmax(enters, fmin(one, other));
+            leaves = fmin(leaves, fmax(one, other));
+        } else if (fabs(eye) > 1) {
+            leaves = 0;
+        }
+    }
+    return leaves > enters && isfinite(leaves) ? leaves * width_at(block, point) : 0;
 }
 
 double gw_sparse_tau(const gw_frame_block *block, double x, double y) {

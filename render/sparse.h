@@ -9,6 +9,10 @@
  * whole); INFINITY when nobody's gaze is known. */
 double gw_sparse_spacing(const gw_frame_block *block, double x, double y);
 
+/* Width of a pixel where its ray leaves the octree's cube, rebased units: the widest that anything there is
+ * seen with. 0 when the ray does not meet the cube. */
+double gw_sparse_widest_pixel(const gw_frame_block *block, double x, double y);
+
 /* The smallest tau that a viewer calls for there; tau_inside when nobody's gaze is known. */
 double gw_sparse_tau(const gw_frame_block *block, double x, double y);
 

@@ -4,8 +4,10 @@
 
 #include "base/srgb.h"
 #include "build/demo_scene.h"
+#include "build/gpu_types.h"
 #include "render/predicted_error.h"
 #include "tests/support/renders.h"
+#include "tests/support/sample_lists.h"
 
 #include <math.h>
 
@@ -279,6 +281,117 @@ static void strain_is_its_settings(void **state) {
     free(sharp);
 }
 
+/* --- what a frame really has ------------------------------------------------------------------------------
+ */
+
+typedef struct measured {
+    double worst, mean;
+} measured;
+
+static uint32_t level_of(uint32_t node) {
+    uint32_t level = 0;
+    while (level < stage.octree->depth && node >= stage.octree->level_begin[level + 1])
+        level++;
+    return level;
+}
+
+/* Cell of what the ray met, in pixels as wide as they are there; 0 for triangles. */
+static double cell_in_pixels(const gw_camera *from, uint32_t id, double depth, double x, double y) {
+    double towards[3], widest = 0;
+    if (id == GW_NO_TRIANGLE || !(id & 0x80000000u))
+        return 0;
+    for (int i = 0; i < 3; i++)
+        towards[i] = from->plane.corner[i] + x * from->plane.step_x[i] + y * from->plane.step_y[i] -
+                     from->state.eye[i];
+    const double distance = sqrt(dot(towards, towards));
+    const double *steps[2] = {from->plane.step_x, from->plane.step_y};
+    for (int axis = 0; axis < 2; axis++) {
+        const double along = dot(steps[axis], towards) / distance;
+        widest = fmax(widest, sqrt(dot(steps[axis], steps[axis]) - along * along));
+    }
+    const double side =
+        ldexp(from->placement.scale, stage.scene->exponent + 1 - (int)level_of(id & 0x7fffffffu));
+    return side / (widest * depth / distance);
+}
+
+/* The voxels that rays met and the squares that were listed, against what the viewer resolves. */
+static measured measure(const gw_camera *from) {
+    const gw_frame_state drawn = gw_frame_state_in_force(&from->state);
+    const gw_rectangle all = {0, 0, SIDE, SIDE};
+    static uint32_t ids[SIDE * SIDE];
+    static float depths[SIDE * SIDE];
+    const gw_geometry geometry = {.ids = ids, .depths = depths};
+    gw_sample_list list = {0};
+    measured out = {0, 0};
+    check_ok(gw_renderer_geometry(renderer, &from->placement, &from->plane, &all, &from->state, &geometry,
+                                  &error));
+    const int sparse = drawn.gaze_count > 0 && drawn.sample_block > 0 && drawn.gaze_rule == GW_GAZE_ACUITY;
+    if (sparse)
+        list = gw_sample_list_take(from, renderer, all);
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        const int row = i / SIDE, column = i % SIDE;
+        const double x = column + 0.5, y = row + 0.5;
+        const double limit = from->state.gaze_count
+                                 ? fmax(1, look(&from->state, (double)from->state.acuity_slope,
+                                                (double)from->state.gaze_margin, x, y)
+                                               .spacing)
+                                 : 1;
+        const double side =
+            sparse ? (double)(1u << GW_BLOCK_RATE(gw_sample_list_block(&list, column / 8, row / 8))) : 1;
+        const double here =
+            fmax(1, fmax(side, cell_in_pixels(from, ids[i], (double)depths[i], x, y)) / limit);
+        out.worst = fmax(out.worst, here);
+        out.mean += here / (SIDE * SIDE);
+    }
+    if (sparse)
+        gw_sample_list_finish(&list);
+    return out;
+}
+
+/* Knobs that the model knows. The last one looks through a tube: what would be voxels of 4 pixels are less
+ * than the octree's smallest cells there, so all is triangles, which the model must know, too. */
+static void it_is_within_a_factor_of_two_of_the_frame(void **state) {
+    enum { TAU, TAU_INSIDE, STRAIN, SEED_DISTANCE, FAR };
+    static const struct {
+        const char *knob;
+        int which;
+        double value, least; /* of the worst error: so that the test has something to compare */
+    } points[] = {{"tau", TAU, 2, 1.5},
+                  {"tau", TAU, 8, 6},
+                  {"tau_inside", TAU_INSIDE, 4, 3},
+                  {"strain", STRAIN, 2, 1.5},
+                  {"strain", STRAIN, 16, 12},
+                  {"seed_distance", SEED_DISTANCE, 100, 2},
+                  {"tau_inside of far things", FAR, 4, 1}};
+    const gw_viewpoint *view = &stage.scene->viewpoints[0];
+    const gw_rectangle all = {0, 0, SIDE, SIDE};
+    (void)state;
+    for (size_t k = 0; k < sizeof points / sizeof *points; k++) {
+        gw_camera one = camera;
+        gw_frame_state *s = &one.state;
+        const float value = (float)points[k].value;
+        gw_predicted_error told = {0};
+        if (points[k].which == FAR)
+            gw_camera_look(&one, &stage, view->eye, view->look_at, 5, SIDE);
+        if (points[k].which == TAU)
+            s->tau = value;
+        if (points[k].which == STRAIN)
+            s->strain = value;
+        if (points[k].which == SEED_DISTANCE)
+            s->seed_distance = value, s->gaze_rule = GW_GAZE_SEED;
+        if (points[k].which == TAU_INSIDE || points[k].which == FAR)
+            s->tau_inside = value, s->gaze_count = 0;
+        check_ok(
+            gw_predict_error(stage.scene, stage.octree, &one.placement, &one.plane, &all, s, &told, &error));
+        const measured is = measure(&one);
+        const double worst = is.worst / told.worst, mean = is.mean / gw_predicted_error_mean(&told);
+        print_message("# %s %g: worst %.2f, measured %.2f; mean %.2f, measured %.2f\n", points[k].knob,
+                      (double)value, told.worst, is.worst, gw_predicted_error_mean(&told), is.mean);
+        assert_true(is.worst >= points[k].least);
+        assert_true(worst > 0.5 && worst < 2 && mean > 0.5 && mean < 2);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(it_is_what_the_formula_says),
@@ -287,6 +400,7 @@ int main(void) {
         cmocka_unit_test(splits_add_up),
         cmocka_unit_test(they_are_those_that_are_drawn),
         cmocka_unit_test(strain_is_its_settings),
+        cmocka_unit_test(it_is_within_a_factor_of_two_of_the_frame),
     };
     return cmocka_run_group_tests(tests, open_stage, close_stage);
 }

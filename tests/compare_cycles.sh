@@ -2,17 +2,17 @@
 # Draws scenes beside Blender's Cycles and says how far apart the pictures are (docs/comparison.md).
 #   tests/compare_cycles.sh [NAME...]     names: those of tests/compare/scenes; all when none is given
 # Each NAME has a folder out/compare/NAME: ours-*.png, cycles-*.png, limited.jpg and gi.jpg (ours, Cycles, FLIP),
-# figures.json. At the end comes the table of all folders. Variables: SIZE (320x240), OURS (64 samples a pixel),
-# CYCLES (256), REUSE=1 keeps Cycles' pictures where they are. Needs Blender and two Python modules for it
+# figures.json. At the end comes the table of all folders. Variables: SIZE (240x180), OURS (16 samples a pixel),
+# CYCLES (64), REUSE=1 keeps Cycles' pictures where they are. Needs Blender and two Python modules for it
 # (.ci/setup compare), which nothing else does, and the scenes that tests/scenes.sh fetches.
 set -u
 cd "$(dirname "$0")/.." || exit 1
-size=${SIZE:-320x240}
+size=${SIZE:-240x180}
 program=${PROGRAM:-out/gazewall}
 compare=${TOOL:-out/release/tests/tools/compare_pictures}
 folder=$PWD/out/compare
 common=(--viewpoint 0 --size "$size" --tau 0 --cache none --quiet)
-quality=(--set accumulate="${OURS:-64}" --set shadow_samples=1 --set environment_lights=8 --set occlusion_cones=3
+quality=(--samples 4 --set accumulate="$((${OURS:-16} / 4))" --set shadow_samples=1 --set environment_lights=8 --set occlusion_cones=3
     --set occlusion_distance=2)
 failed=0
 
@@ -41,7 +41,7 @@ draw_ours() { # NAME SCENE
 
 draw_theirs() { # NAME SCENE
     [ -n "${REUSE:-}" ] && [ -e "$folder/$1/cycles.json" ] && return
-    blender -b -noaudio --python-exit-code 1 -P tests/compare/cycles.py -- "$2" "$size" "${CYCLES:-256}" \
+    blender -b -noaudio --python-exit-code 1 -P tests/compare/cycles.py -- "$2" "$size" "${CYCLES:-64}" \
         "$folder/$1" >"$folder/$1/blender.log" 2>&1 || {
         tail -n 15 "$folder/$1/blender.log"
         return 1

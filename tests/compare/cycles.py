@@ -92,12 +92,26 @@ def plain_lambert(path, materials):
             material.node_tree.links.new(diffuse.outputs["BSDF"], link.to_socket)
 
 
-def keep_energy():
-    """Highlights keep the light of several microfacets, as ours do."""
+def whole_coat(material, node):
+    """A Principled BSDF's clearcoat of 1 reflects a quarter of a real one (Disney's 0.25), glTF's all of it."""
+    nodes, links, socket = material.node_tree.nodes, material.node_tree.links, node.inputs["Clearcoat"]
+    if not socket.is_linked and socket.default_value == 0:
+        return
+    four = nodes.new("ShaderNodeMath")
+    four.operation = "MULTIPLY"
+    four.inputs[0].default_value, four.inputs[1].default_value = socket.default_value, 4
+    for link in list(socket.links):
+        links.new(link.from_socket, four.inputs[0])
+    links.new(four.outputs[0], socket)
+
+
+def as_gltf_means():
+    """Highlights that keep the light of several microfacets, as ours do, and clearcoats of their full strength."""
     for material in bpy.data.materials:
-        for node in material.node_tree.nodes if material.use_nodes else ():
+        for node in list(material.node_tree.nodes) if material.use_nodes else ():
             if node.type == "BSDF_PRINCIPLED":
                 node.distribution = "MULTI_GGX"
+                whole_coat(material, node)
 
 
 def new_light(kind, energy, row):
@@ -261,11 +275,11 @@ def render_mask(path):
     nodes, links = scene.node_tree.nodes, scene.node_tree.links
     nodes.clear()
     layers, out = nodes.new("CompositorNodeRLayers"), nodes.new("CompositorNodeComposite")
-    linear = nodes.new("CompositorNodeMath")
-    linear.operation = "GREATER_THAN"
-    linear.inputs[1].default_value = 0.5
-    links.new(layers.outputs["Alpha"], linear.inputs[0])
-    links.new(linear.outputs[0], out.inputs["Image"])
+    opaque = nodes.new("CompositorNodeMath")
+    opaque.operation = "GREATER_THAN"
+    opaque.inputs[1].default_value = 0.98
+    links.new(layers.outputs["Alpha"], opaque.inputs[0])
+    links.new(opaque.outputs[0], out.inputs["Image"])
     scene.render.image_settings.color_mode = "RGB"
     render(path)
 
@@ -283,7 +297,7 @@ def main():
         for thing in added:
             if thing.type == "LIGHT" and "lights" in text:
                 bpy.data.objects.remove(thing)
-    keep_energy()
+    as_gltf_means()
     for row in text.get("lights", ()):
         add_light(row)
     add_world(text, folder)

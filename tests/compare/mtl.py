@@ -38,8 +38,12 @@ def number(keys, name, missing):
     return float(keys[name][0]) if name in keys else missing
 
 
+def illumination(keys):
+    return int(number(keys, "illum", 2))
+
+
 def roughness(keys):
-    shines = any(float(word) > 0 for word in keys.get("ks", ["0"])[:3])
+    shines = illumination(keys) != 1 and any(float(word) > 0 for word in keys.get("ks", ["0"])[:3])
     exponent = number(keys, "ns", 0)
     return (2 / (exponent + 2)) ** 0.25 if shines and exponent > 0 else 1.0
 
@@ -73,6 +77,17 @@ def set_alpha(material, node, keys):
             material.node_tree.links.new(picture.outputs["Alpha"], socket)
 
 
+def show_unlit(material, node):
+    """illum 0: the base colour as it is."""
+    emission = material.node_tree.nodes.new("ShaderNodeEmission")
+    base = node.inputs["Base Color"]
+    emission.inputs["Color"].default_value = base.default_value
+    for link in base.links:
+        material.node_tree.links.new(link.from_socket, emission.inputs["Color"])
+    for link in list(node.outputs["BSDF"].links):
+        material.node_tree.links.new(emission.outputs["Emission"], link.to_socket)
+
+
 def apply(material, keys):
     node = next((n for n in material.node_tree.nodes if n.type == "BSDF_PRINCIPLED"), None)
     if node is None:
@@ -99,6 +114,8 @@ def apply(material, keys):
     if not node.inputs["Emission"].is_linked:
         node.inputs["Emission"].default_value = (*decoded(keys.get("ke", ["0"] * 3)), 1)
     node.inputs["Emission Strength"].default_value = 1
+    if illumination(keys) == 0:
+        show_unlit(material, node)
 
 
 def read_as_we_do(obj, materials):

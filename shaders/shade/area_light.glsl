@@ -27,6 +27,9 @@ void seed_lights(Pixel_square square, Pixel_ray ray) {
     uvec2 at = uvec2(square.first);
 #endif
     light_seed = uvec2(at.x * 0xd1b54a32u + at.y * 0xabc98388u, at.x * 0x8cb92ba7u + at.y * 0xc13fa9a9u);
+#if defined(SPARSE) && !defined(REFLECTED) && !defined(LIKE_THE_FIRST)
+    light_seed += square.which * uvec2(0xc13fa9a9u, 0x91e10da5u); // rays of one square: the same in two dimensions
+#endif
 }
 
 // How far the light's places are moved here, 0..1.

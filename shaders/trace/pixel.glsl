@@ -16,6 +16,7 @@ struct Pixel_square {
     bool present; // false: padding at a list's end, or outside the rectangle
 #ifdef SPARSE
     vec2 place; // of the ray in a square that has several, from its centre, sides
+    uint which; // of these
 #endif
 };
 
@@ -71,7 +72,7 @@ Pixel_square square_of_slot(uint slot) {
     uint which = GW_SAMPLE_WHICH(word);
     vec4 places = rate == 0u ? frame.sample_places[which >> 1] : frame.coarse_places[(which >> 1) & 3u];
     return Pixel_square(frame.list.xy + ivec2(GW_SAMPLE_X(word), GW_SAMPLE_Y(word)), 1 << (rate & 7u),
-                        word != GW_NO_SAMPLE, (which & 1u) == 0u ? places.xy : places.zw);
+                        word != GW_NO_SAMPLE, (which & 1u) == 0u ? places.xy : places.zw, which);
 #else
     ivec2 pixel = pixel_of_slot(slot);
     return Pixel_square(pixel, 1, in_window(pixel));

@@ -282,8 +282,9 @@ static double share_of_disc(double x) {
 }
 
 /* The edge of a plate 1 m above the floor under a sun of 20 degrees: worst deviation of the mean of a column
- * from the share of the sun's disc that is seen from there. */
-static double error_of_penumbra(const char *shaders, uint8_t samples) {
+ * from the share of the sun's disc that is seen from there. *grain, if not NULL: what pixels of a row are off
+ * their mean (root mean square, worst row). shadow_samples as the frame state has them, samples: log2. */
+static double error_of_penumbra(const char *shaders, uint8_t shadow_samples, uint8_t samples, double *grain) {
     const double tangent = 0.17632698;
     gw_mesh mesh = {0};
     gw_mesh_add_grid(&mesh, (const double[]){-2, 0, -2}, (const double[]){0, 0, 4}, (const double[]){4, 0, 0},
@@ -303,24 +304,30 @@ static double error_of_penumbra(const char *shaders, uint8_t samples) {
     gw_camera camera;
     check_ok(gw_stage_open(&stage, scene, shaders, exact, &error));
     gw_camera_look(&camera, &stage, (const double[]){3, 4, 0}, (const double[]){0, 0, 0}, 6.0, SIDE);
-    camera.state.shadow_samples = samples;
+    camera.state.shadow_samples = shadow_samples;
+    camera.state.samples = samples;
     uint8_t *rgba = take(&stage, &camera, 0, NULL);
-    double worst = 0.0, full = 0.0;
+    double worst = 0.0, full = 0.0, scattered = 0.0;
     for (int pass = 0; pass < 2; ++pass)
         for (int y = 0; y < SIDE; ++y) { /* rows lie along the edge */
-            double sum = 0.0, wanted = 0.0;
+            double sum = 0.0, squares = 0.0, wanted = 0.0;
             for (int x = 0; x < SIDE; ++x) {
                 double place[3];
                 place_on_floor(&camera, x, y, place);
-                sum += gw_srgb_code_to_linear(rgba[4 * (y * SIDE + x)]) / SIDE;
+                const double seen = gw_srgb_code_to_linear(rgba[4 * (y * SIDE + x)]);
+                sum += seen / SIDE;
+                squares += seen * seen / SIDE;
                 wanted += share_of_disc(place[0] / tangent) / SIDE;
             }
             if (pass == 0)
                 full = fmax(full, sum);
             else
                 worst = fmax(worst, fabs(sum / full - wanted));
+            scattered = fmax(scattered, sqrt(fmax(squares - sum * sum, 0.0)));
         }
     assert_true(full > 0.1);
+    if (grain)
+        *grain = scattered / full;
     free(rgba);
     gw_stage_close(&stage);
     return worst;
@@ -330,12 +337,28 @@ static void penumbrae_are_as_wide_as_the_sun(void **state) {
     (void)state;
     char folder[512];
     const char *middles = gw_naive_shaders(folder, "light-middles", "shade/area_light.glsl", "LIGHT_MIDDLES");
-    const double four = error_of_penumbra(NULL, 1), sixteen = error_of_penumbra(NULL, 2),
-                 naive = error_of_penumbra(middles, 1);
+    const double four = error_of_penumbra(NULL, 1, 0, NULL), sixteen = error_of_penumbra(NULL, 2, 0, NULL),
+                 naive = error_of_penumbra(middles, 1, 0, NULL);
     print_message(
         "penumbra off by at most %.3f with 4 rays, %.3f with 16; %.3f with the middles of 4 parts\n", four,
         sixteen, naive);
     assert_true(four < 0.08 && sixteen < 0.04 && naive > 2.0 * four); /* the naive places fail */
+}
+
+/* The rays of a pixel take points of their own on a light: its penumbrae have the grain of as many shadow
+ * rays. */
+static void rays_of_a_pixel_see_a_light_in_several_places(void **state) {
+    (void)state;
+    char folder[512];
+    const char *alike = gw_naive_shaders(folder, "light-first", "shade/area_light.glsl", "LIKE_THE_FIRST");
+    double one = 0.0, several = 0.0, naive = 0.0;
+    error_of_penumbra(NULL, 0, 0, &one);
+    error_of_penumbra(NULL, 0, 4, &several);
+    error_of_penumbra(alike, 0, 4, &naive);
+    print_message(
+        "pixels of a penumbra are %.3f off with a ray, %.3f with 16, %.3f if these take one place\n", one,
+        several, naive);
+    assert_true(several < 0.3 * one && naive > 2.0 * several);
 }
 
 int main(void) {
@@ -345,6 +368,7 @@ int main(void) {
         cmocka_unit_test(even_skies_need_no_shadow_rays),
         cmocka_unit_test(extents_keep_energy),
         cmocka_unit_test(penumbrae_are_as_wide_as_the_sun),
+        cmocka_unit_test(rays_of_a_pixel_see_a_light_in_several_places),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -53,6 +53,28 @@ def placed(model):
     return Matrix.Translation(model.get("translate", (0, 0, 0))) @ result
 
 
+def smooth_as_we_do(added):
+    """Without normals in the file both make smooth ones with creases at 60 degrees; Blender only when asked."""
+    for thing in added:
+        if thing.type == "MESH" and not thing.data.has_custom_normals:
+            thing.data.polygons.foreach_set("use_smooth", [True] * len(thing.data.polygons))
+            thing.data.use_auto_smooth = True
+            thing.data.auto_smooth_angle = math.radians(60)
+
+
+def dress_the_bare(added):
+    """glTF's triangles without a material are a rough light grey for us, and Lambert's white for Blender."""
+    grey = bpy.data.materials.new("grey")
+    grey.use_nodes = True
+    principled = grey.node_tree.nodes["Principled BSDF"]
+    principled.inputs["Base Color"].default_value = (0.7, 0.7, 0.7, 1)
+    principled.inputs["Roughness"].default_value = 0.6
+    for thing in added:
+        if thing.type == "MESH" and not any(thing.data.materials):
+            thing.data.materials.clear()
+            thing.data.materials.append(grey)
+
+
 def add_model(model, folder):
     path = os.path.join(folder, model["file"])
     before, known = set(bpy.data.objects), set(bpy.data.materials)
@@ -65,6 +87,9 @@ def add_model(model, folder):
     else:
         raise SystemExit(f"{path}: only glTF and OBJ are compared")
     added = [thing for thing in bpy.data.objects if thing not in before]
+    if path.lower().endswith(".obj"):
+        smooth_as_we_do(added)
+    dress_the_bare(added)
     move = AXES @ placed(model) @ AXES.inverted()
     for thing in added:
         if thing.parent is None:

@@ -193,14 +193,22 @@ static uint64_t bytes_of_ray(const gw_renderer *renderer, uint32_t fragments, in
     return bytes;
 }
 
-void gw_renderer_ray_memory(const gw_renderer *renderer, uint64_t *bytes, uint64_t *rays, uint64_t *lists) {
+/* Rays of every bounce have buffers of their own. */
+void gw_renderer_ray_memory(const gw_renderer *renderer, const gw_settings *settings, uint64_t *bytes,
+                            uint64_t *rays, uint64_t *lists) {
     const gw_kernel_key key = {.features = GW_FEATURE_LOD};
     const uint32_t fragments = gw_kernel_fragments(&key);
-    *bytes = bytes_of_ray(renderer, fragments, 1);
-    if (renderer->scene_features & GW_FEATURE_SHADOWS)
-        *bytes += gw_shadow_ray_bytes(fragments, light_count(renderer));
-    if (renderer->scene_features & GW_SECONDARY_FEATURES)
-        *bytes += gw_secondary_ray_bytes(fragments) + bytes_of_ray(renderer, fragments, 0);
+    gw_frame_state state = {0};
+    gw_frame_state_apply(&state, settings);
+    const gw_features asks = (renderer->scene_features | gw_frame_calls_for(renderer, &state, 0)) &
+                             ~renderer->forbidden_features & GW_SECONDARY_FEATURES;
+    const uint32_t bounces = asks ? state.bounces : 0;
+    const uint64_t shadows = renderer->scene_features & GW_FEATURE_SHADOWS
+                                 ? gw_shadow_ray_bytes(fragments, light_count(renderer))
+                                 : 0;
+    *bytes = bytes_of_ray(renderer, fragments, 1) + shadows;
+    *bytes += bounces * (gw_secondary_ray_bytes(fragments, asks & GW_CONE_FEATURES ? state.cones : 0) +
+                         bytes_of_ray(renderer, fragments, 0) + shadows);
     *rays = gw_renderer_chunk_slots(renderer);
     *lists = (uint64_t)GW_MOST_SAMPLES * (GW_SAMPLE_BYTES + GW_SAMPLE_PIXEL_BYTES);
 }
@@ -360,6 +368,7 @@ void gw_counters_add(gw_counters *to, const gw_counters *from) {
     to->nan_pixels += from->nan_pixels;
     to->mirror_rays += from->mirror_rays;
     to->refracted_rays += from->refracted_rays;
+    to->cone_rays += from->cone_rays;
     to->shadow_rays += from->shadow_rays;
     to->resumed += from->resumed;
     if (from->loop_iterations > to->loop_iterations)

@@ -38,6 +38,7 @@ typedef struct gw_counters {
     uint64_t nan_pixels;      /* pixels replaced by the background; always counted */
     uint64_t mirror_rays;     /* reflected; as shadow_rays */
     uint64_t refracted_rays;  /* that went through something; as shadow_rays */
+    uint64_t cone_rays;       /* of occlusion and the diffuse bounce; as shadow_rays */
     uint64_t shadow_rays;     /* always counted; their steps and tests are in the numbers above */
     uint64_t resumed;         /* further dispatches of suspended rays, summed over rays; always counted */
     uint64_t loop_iterations; /* the most of one ray in one dispatch, of the loop budget: no sum; 0 unless
@@ -179,9 +180,10 @@ typedef struct gw_renderer_parts {
 gw_renderer_parts gw_renderer_parts_of(const gw_renderer *renderer);
 /* All of them. */
 uint64_t gw_renderer_bytes(const gw_renderer *renderer);
-/* What frames may need on the GPU beyond that, at most, however large the rectangle: it is rendered in
- * chunks, in the same buffers. bytes: of one ray, with voxels. rays: at a time. lists: bytes of the samples
- * of a frame with a gaze, or with several rays a pixel. */
-void gw_renderer_ray_memory(const gw_renderer *renderer, uint64_t *bytes, uint64_t *rays, uint64_t *lists);
+/* What frames of these settings may need on the GPU beyond that, at most, however large the rectangle: it is
+ * rendered in chunks, in the same buffers. bytes: of one ray, with voxels. rays: at a time. lists: bytes of
+ * the samples of a frame with a gaze, or with several rays a pixel. */
+void gw_renderer_ray_memory(const gw_renderer *renderer, const gw_settings *settings, uint64_t *bytes,
+                            uint64_t *rays, uint64_t *lists);
 
 #endif

@@ -15,6 +15,8 @@ static const struct {
 } own_counters[] = {{GW_FEATURE_SHADOWS, offsetof(gw_counters, shadow_rays), 0},
                     {GW_FEATURE_MIRROR, offsetof(gw_counters, mirror_rays), 0},
                     {GW_FEATURE_TRANSMISSION, offsetof(gw_counters, refracted_rays), 0},
+                    {GW_FEATURE_OCCLUSION, offsetof(gw_counters, cone_rays), 0},
+                    {GW_FEATURE_DIFFUSE, offsetof(gw_counters, cone_rays), 0}, /* the same cones */
                     {GW_FEATURE_LOD, offsetof(gw_counters, voxels), 1}};
 
 static uint64_t own_count(size_t row, const gw_counters *counters) {
@@ -22,10 +24,7 @@ static uint64_t own_count(size_t row, const gw_counters *counters) {
 }
 
 uint64_t gw_secondary_rays(const gw_counters *counters) {
-    uint64_t rays = 0;
-    for (size_t i = 0; i < sizeof own_counters / sizeof *own_counters; ++i)
-        rays += own_counters[i].counting ? 0 : own_count(i, counters);
-    return rays;
+    return counters->shadow_rays + counters->mirror_rays + counters->refracted_rays + counters->cone_rays;
 }
 
 static const size_t tail_begin = GW_TOTAL_WORDS * sizeof(uint32_t);

@@ -262,8 +262,9 @@ gw_code gw_frame_secondary(gw_frame_job *job, size_t slots, int resume, gw_error
 void gw_frame_bind_rays(const gw_frame_job *job);
 void gw_secondary_buffers_finish(gw_secondary_buffers *buffers);
 uint64_t gw_secondary_buffers_bytes(const gw_secondary_buffers *buffers);
-/* Room that one ray may need for its secondary rays, but for what traces them. */
-uint64_t gw_secondary_ray_bytes(uint32_t fragments);
+/* Room that one ray may need for its secondary rays of one bounce, so many cones among them, but for what
+ * traces them. */
+uint64_t gw_secondary_ray_bytes(uint32_t fragments, uint32_t cones);
 
 /* Where a chunk's pixels are, row by row. */
 static inline gw_gl_buffer *gw_frame_pixels(const gw_frame_job *job) {

@@ -24,8 +24,9 @@ uint64_t gw_secondary_buffers_bytes(const gw_secondary_buffers *buffers) {
            buffers->asked.size + buffers->requests.size + buffers->rays.size + buffers->radiance.size;
 }
 
-uint64_t gw_secondary_ray_bytes(uint32_t fragments) {
-    return (uint64_t)fragments * ((1 + GW_RAYS_OF_FRAGMENT) * sizeof(uint32_t) + 4 * sizeof(float)) +
+uint64_t gw_secondary_ray_bytes(uint32_t fragments, uint32_t cones) {
+    const uint64_t most = GW_RAYS_OF_FRAGMENT + cones;
+    return fragments * ((1 + most) * sizeof(uint32_t) + most * 4 * sizeof(float)) +
            GW_SECONDARY_ROWS * 4 * sizeof(float);
 }
 
@@ -73,7 +74,8 @@ static gw_code list_requests(gw_frame_job *job, gw_secondary_buffers *to, size_t
         job->counters.step_cap_hits += totals[0];
         *count = totals[3];
         job->counters.refracted_rays += totals[GW_TOTAL_REFRACTED];
-        job->counters.mirror_rays += totals[3] - totals[GW_TOTAL_REFRACTED];
+        job->counters.cone_rays += totals[GW_TOTAL_CONES];
+        job->counters.mirror_rays += totals[3] - totals[GW_TOTAL_REFRACTED] - totals[GW_TOTAL_CONES];
     }
     return code;
 }

@@ -33,6 +33,11 @@ static gw_code choose_source(gw_conductor *conductor, const struct gw_rank *rank
     gw_budget_init(&conductor->budget, options->budget_ms, options->budget_rays,
                    options->draw.settings.strain);
     gw_exposure_init(&conductor->exposure, &options->draw.settings);
+    if (conductor->exposure.automatic && conductor->frame_count == 1 && !options->states &&
+        !options->pictures.remake)
+        gw_log_write(&rank->line.log, GW_LOG_WARNING,
+                     "exposure=auto follows the frames before, and a single frame has none: it is drawn at 0 "
+                     "stops; use --frames 2, or gazewall render, which meters first");
     conductor->first_time = (int64_t)(options->draw.time * 1e9);
     conductor->step = options->step > 0                     ? (int64_t)(options->step * 1e9)
                       : options->step < 0 && options->input ? GW_INPUT_STEP

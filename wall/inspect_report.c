@@ -21,7 +21,8 @@ static uint64_t scene_bytes(const gw_scene *scene) {
            scene->triangle_count * (uint64_t)(sizeof *scene->triangles + sizeof *scene->material_of);
 }
 
-static void measure_memory(const gw_model *model, const gw_renderer *renderer, gw_memory_report *m) {
+static void measure_memory(const gw_model *model, const gw_renderer *renderer, const gw_settings *settings,
+                           gw_memory_report *m) {
     const gw_octree *octree = model->octree;
     m->nodes = gw_octree_node_bytes(octree);
     m->references = gw_octree_reference_bytes(octree);
@@ -30,7 +31,7 @@ static void measure_memory(const gw_model *model, const gw_renderer *renderer, g
     m->triangles = gw_triangle_bytes(model->scene);
     m->host_octree = m->nodes + m->references + m->boxes + m->payload;
     m->others = gw_renderer_bytes(renderer) - m->host_octree - m->triangles;
-    gw_renderer_ray_memory(renderer, &m->ray, &m->rays_at_once, &m->sample_lists);
+    gw_renderer_ray_memory(renderer, settings, &m->ray, &m->rays_at_once, &m->sample_lists);
     m->build_peak = model->build_peak;
     m->host_scene = scene_bytes(model->scene);
     m->host_textures = texture_bytes(model->scene);
@@ -40,9 +41,10 @@ gw_code gw_inspect_mesh(const gw_model *model, gw_inspect_report *out, gw_error 
     return gw_mesh_report_make(model->scene, &out->mesh, error);
 }
 
-void gw_inspect_octree(const gw_model *model, const gw_renderer *renderer, gw_inspect_report *out) {
+void gw_inspect_octree(const gw_model *model, const gw_renderer *renderer, const gw_settings *settings,
+                       gw_inspect_report *out) {
     gw_octree_report_make(model->octree, &out->octree);
-    measure_memory(model, renderer, &out->memory);
+    measure_memory(model, renderer, settings, &out->memory);
 }
 
 /* --- JSON

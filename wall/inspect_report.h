@@ -32,8 +32,9 @@ typedef struct gw_inspect_report {
 
 /* After the import: mesh. */
 gw_code gw_inspect_mesh(const gw_model *model, gw_inspect_report *out, gw_error *error);
-/* After the build: octree and memory. */
-void gw_inspect_octree(const gw_model *model, const gw_renderer *renderer, gw_inspect_report *out);
+/* After the build: octree and memory, of frames with these settings. */
+void gw_inspect_octree(const gw_model *model, const gw_renderer *renderer, const gw_settings *settings,
+                       gw_inspect_report *out);
 
 /* "scene.mesh", "octree.levels", "octree.lists", "octree.bytes_per_triangle" and "memory". The report has
  * "scene" and "octree" already. */

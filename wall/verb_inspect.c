@@ -317,7 +317,7 @@ static gw_code inspect_scene(gw_model *model, const inspect_options *o, const gw
     if (!code)
         code = gw_renderer_report(renderer, NULL, report, error);
     if (!code)
-        gw_inspect_octree(model, renderer, &inspected);
+        gw_inspect_octree(model, renderer, &o->draw.settings, &inspected);
     gw_renderer_destroy(&renderer);
     if (code)
         return code;

@@ -206,5 +206,6 @@ GW_STRUCT_END(gw_emissive_slot)
 // ray took in one dispatch, and behind the totals the frame's fragments of each material.
 #define GW_TOTAL_ITERATIONS 4
 #define GW_TOTAL_REFRACTED 5 // secondary rays that go through something
-#define GW_TOTAL_WORDS 6
+#define GW_TOTAL_CONES 6     // secondary rays that are cones
+#define GW_TOTAL_WORDS 7
 #endif

@@ -67,6 +67,10 @@ void main() {
         if ((kinds & GW_RAY_REFRACTED) != 0u)
             atomicAdd(totals[GW_TOTAL_REFRACTED], 1u);
 #endif
+#ifdef CONES
+        if ((kinds & GW_RAY_CONES) != 0u)
+            atomicAdd(totals[GW_TOTAL_CONES], frame.sampling.z);
+#endif
         for (uint which = 0u; which < rays; ++which)
             requests[first + which] = GW_REQUEST(fragment, which);
         asked_of[fragment] = GW_ASKED_WORD(first, kinds);

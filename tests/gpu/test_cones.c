@@ -319,12 +319,83 @@ static void any_split_gives_the_same_bits(void **state) {
     leave(0, &renderer);
 }
 
+/* Degrees from the gaze at a pixel. */
+static double degrees_from_gaze(const gw_camera *camera, uint32_t pixel, const double gaze[3]) {
+    double direction[3], cosine = 0;
+    gw_camera_ray(camera, pixel % SIDE, pixel / SIDE, direction);
+    for (int k = 0; k < 3; ++k)
+        cosine += direction[k] * gaze[k];
+    return acos(fmin(cosine, 1)) * 180 / pi;
+}
+
+enum { RINGS = 8, RING_WIDTH = 3 /* deg */ };
+
+/* How much more open than without a gaze the corner seems, in rings about it. */
+static void change_by_ring(const gw_camera *gazed, gw_renderer *renderer, const double towards[3],
+                           const uint8_t *sharp, gw_counters *counters, double change[RINGS]) {
+    int count[RINGS] = {0};
+    uint8_t *pixels = gw_camera_take(gazed, renderer, counters);
+    memset(change, 0, RINGS * sizeof *change);
+    for (uint32_t i = 0; i < PIXELS; ++i) {
+        const int ring = (int)(degrees_from_gaze(gazed, i, towards) / RING_WIDTH);
+        const double open = openness_of(sharp + 4 * i);
+        if (ring >= RINGS || open > 1.2) /* the background */
+            continue;
+        change[ring] += openness_of(pixels + 4 * i) - open;
+        count[ring]++;
+    }
+    free(pixels);
+    for (int r = 0; r < RINGS; ++r) {
+        change[r] /= count[r];
+        print_message("# tau %g, %d to %d degrees: openness %+.4f\n", (double)gazed->state.tau,
+                      r * RING_WIDTH, (r + 1) * RING_WIDTH, change[r]);
+    }
+}
+
+/* By how much a ring differs from those about it, at most. */
+static double strongest_ring(const double change[RINGS]) {
+    double most = 0;
+    for (int r = 1; r + 1 < RINGS; ++r)
+        most = fmax(most, fabs(change[r] - 0.5 * (change[r - 1] + change[r + 1])));
+    return most;
+}
+
+/* Nothing changes inside a gaze, and no ring about it differs from its neighbours. It would where cones start
+ * from voxels so coarse that they fill the corner. */
+static void no_ring_follows_the_gaze(void **state) {
+    double change[RINGS], coarse[RINGS], towards[3];
+    (void)state;
+    gw_renderer *renderer = enter(1);
+    gw_camera camera = cameras[1];
+    uint8_t *sharp = gw_camera_take(&camera, renderer, NULL);
+    gw_counters counters = {0};
+    gw_camera_gaze(&camera, 20, 20, 6);
+    gw_camera_ray(&camera, 20, 20, towards);
+    camera.state.tau = 1;
+    change_by_ring(&camera, renderer, towards, sharp, &counters, change);
+    camera.state.tau = 3;
+    change_by_ring(&camera, renderer, towards, sharp, NULL, coarse);
+    assert_true(fabs(change[0]) < 0.001);
+    assert_true(strongest_ring(change) < 0.01);
+    assert_true(strongest_ring(coarse) > 0.015);
+    assert_true(counters.cone_rays > PIXELS && counters.mirror_rays == 0);
+    free(sharp);
+    /* What was forecast has room for the cones. */
+    gw_settings none = stages[1].settings;
+    uint64_t with, without, rays, lists;
+    none.occlusion_cones = 0;
+    gw_renderer_ray_memory(renderer, &stages[1].settings, &with, &rays, &lists);
+    gw_renderer_ray_memory(renderer, &none, &without, &rays, &lists);
+    assert_true(with > 2 * without);
+    assert_true(gw_renderer_parts_of(renderer).rays < with * rays);
+    leave(1, &renderer);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(cones_come_near_many_rays),
-        cmocka_unit_test(a_closed_room_is_dark),
-        cmocka_unit_test(glowing_walls_light_each_other),
-        cmocka_unit_test(any_split_gives_the_same_bits),
+        cmocka_unit_test(cones_come_near_many_rays),      cmocka_unit_test(a_closed_room_is_dark),
+        cmocka_unit_test(glowing_walls_light_each_other), cmocka_unit_test(any_split_gives_the_same_bits),
+        cmocka_unit_test(no_ring_follows_the_gaze),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -342,6 +342,67 @@ static void effects_that_meet_nothing_are_idle(void **state) {
     gw_renderer_destroy(&renderer);
 }
 
+/* Each of up to 64 effects has a bit of its own, whichever that is, a name and a define; what groups effects
+ * knows no others; and all of them reach a kernel's text. */
+static void every_bit_is_in_the_table(void **state) {
+    (void)state;
+    char text[GW_KERNEL_DEFINES];
+    gw_features all = 0, highest = 0;
+    assert_true(gw_feature_count > 0 && gw_feature_count <= GW_MOST_FEATURES);
+    for (size_t r = 0; r < gw_feature_count; ++r) {
+        const gw_feature_row *row = &gw_feature_rows[r];
+        gw_features found = 0;
+        assert_true(row->bit != 0 && (row->bit & (row->bit - 1)) == 0 && !(all & row->bit));
+        check_ok(gw_feature_of_name(row->name, &found, &error));
+        assert_true(found == row->bit);
+        all |= row->bit;
+        highest = row->bit > highest ? row->bit : highest;
+        const gw_kernel_key key = {.features = row->bit};
+        check_ok(gw_kernel_defines(&key, text, sizeof text, &error));
+        for (size_t other = 0; other < gw_feature_count; ++other)
+            assert_int_equal(line_of(text, &gw_feature_rows[other]) != NULL, other == r);
+    }
+    assert_true(highest > UINT32_MAX);
+    const gw_features grouped = GW_FRAME_FEATURES | GW_SECONDARY_FEATURES | GW_EXTENSION_FEATURES |
+                                GW_PICTURE_FEATURES | GW_NEEDED_FEATURES;
+    assert_true((grouped & ~all) == 0);
+    const gw_kernel_key key = {.features = GW_ALL_FEATURES};
+    check_ok(gw_kernel_defines(&key, text, sizeof text, &error));
+    for (size_t r = 0; r < gw_feature_count; ++r)
+        assert_non_null(line_of(text, &gw_feature_rows[r]));
+}
+
+/* docs/effects.md has a row that says when each effect is called for, and names none that there is not. */
+static void the_manual_names_every_effect(void **state) {
+    (void)state;
+    gw_bytes page;
+    check_ok(gw_file_read("docs/effects.md", 1 << 20, &page, &error));
+    char *table = strstr((char *)page.data, "| effect | called for when |");
+    assert_non_null(table);
+    char *end = strstr(table, "\n\n");
+    assert_non_null(end);
+    *end = '\0';
+    for (size_t r = 0; r < gw_feature_count; ++r) {
+        char name[64];
+        snprintf(name, sizeof name, "`%s`", gw_feature_rows[r].name);
+        if (!strstr(table, name))
+            fail_msg("docs/effects.md does not tell when %s is called for", name);
+    }
+    for (char *line = strchr(table, '\n'); line; line = strchr(line + 1, '\n')) {
+        char *cell = strchr(line + 3, '|');
+        for (char *at = strchr(line, '`'); at && cell && at < cell; at = strchr(at + 1, '`')) {
+            gw_features bit;
+            char *close = strchr(at + 1, '`');
+            assert_non_null(close);
+            *close = '\0';
+            check_ok(gw_feature_of_name(at + 1, &bit, &error));
+            *close = '`';
+            at = close;
+        }
+    }
+    gw_bytes_finish(&page);
+}
+
 /* Every row's define takes code of its own into some kernel of a frame that has them all; and none of the
  * names that are only the row's are in the kernels of the plain frame. */
 static void left_out_effects_leave_no_text(void **state) {
@@ -404,6 +465,8 @@ static void an_effect_that_changes_pixels_is_found(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_bit_is_in_the_table),
+        cmocka_unit_test(the_manual_names_every_effect),
         cmocka_unit_test(nothing_called_for_is_compiled),
         cmocka_unit_test(nothing_called_for_is_counted_or_allocated),
         cmocka_unit_test(forced_effects_change_no_pixel),

@@ -35,6 +35,8 @@ is "what ran is told" "$(json one/report.json '["effects"]["run"]' | grep -c "to
 is "one picture by itself ends where the wall does" "$(json picture.json '["image"]["hash"]')" "$(json one/report.json '["image"]["hash"]')"
 is "and traced its rays once" "$(json picture.json '["counters"]["rays"]')" $((120 * 72))
 
+told=$(timeout 300 "$program" sim --scene sheet.obj --set octree_depth=7 --size 120x72 "${auto[@]}" 2>&1 | tr '\n' ' ')
+has "a single frame is not metered, and says so" "$told" "a single frame has none: it is drawn at 0 stops"
 sim again 0 --tiles 3x1 --states states.json
 same_file "frame 0002 from its state" again/wall-0002.png one/wall-0002.png
 sim killed 1 --tiles 2x2 "${auto[@]}" "${long[@]}" --tile-fault kill:3@1

@@ -54,7 +54,7 @@ segments=$(find /dev/shm -name 'gazewall-*' -user "$(id -u)" 2>/dev/null | sort)
 # --- a killed tile comes back; strangers, wrong secrets and doubles at the door meanwhile
 wall=(--set octree_depth=5 --tiles 3x2 --size 96x64 --log debug)
 timeout 300 "$program" sim --scene model.obj "${wall[@]}" --live --frames 100000 --frame-deadline 2 --death-deadline 60 \
-    --out back --save-states states --report "back-$$.json" >back.out 2>back.log &
+    --set exposure=auto --out back --save-states states --report "back-$$.json" >back.out 2>back.log &
 launcher=$!
 wait_for back.log "tiles that are started again come in at"
 rows back 20
@@ -86,6 +86,9 @@ is "connections at the door were counted" "$(($(json "back-$$.json" "['gate']['d
 took=$(tile "back-$$.json" 1 rejoin_ms)
 is "from its start to its first frame: $took ms" $((took > 0 && took < 60000)) 1
 nothing_is_left back
+is "exposure was decided of every frame but the first, whoever was there" \
+    "$(python3 -c 'import csv
+print(*sorted({float(row["exposure"]) != 0 for row in list(csv.DictReader(open("back/frames.csv")))[1:]}))')" True
 # Undisturbed: the same states, in lock-step.
 timeout 300 "$program" sim --scene sheet.obj "${wall[@]}" --states states --out calm --quiet >calm.log 2>&1
 is "undisturbed: exit code" $? 0

@@ -155,16 +155,6 @@ static size_t count_maps(const json_t *materials, gw_map map) {
     return count;
 }
 
-static size_t count_coat_normals(const json_t *materials) {
-    size_t count = 0;
-    for (size_t i = 0; i < json_array_size(materials); i++) {
-        const json_t *carried = json_object_get(json_array_get(materials, i), "extensions");
-        count += json_object_get(json_object_get(carried, "KHR_materials_clearcoat"),
-                                 "clearcoatNormalTexture") != NULL;
-    }
-    return count;
-}
-
 static gw_code note_count(gw_source_model *model, size_t count, const char *what, gw_error *error) {
     return count ? gw_scene_note(model->scene, error, "glTF: %zu %s", count, what) : GW_OK;
 }
@@ -175,26 +165,10 @@ static json_t *punctual(const json_t *object) {
 
 static gw_code note_losses(const gw_gltf *gltf, gw_source_model *model, gw_error *error) {
     const json_t *materials = json_object_get(gltf->root, "materials");
-    gw_code code = GW_OK;
-    const struct {
-        size_t count;
-        const char *what;
-    } losses[] = {
-        {count_maps(materials, GW_MAP_CLEARCOAT), "materials with a clearcoat map: its mean is used"},
-        {count_maps(materials, GW_MAP_CLEARCOAT_ROUGHNESS),
-         "materials with a map of the clearcoat's roughness: its mean is used"},
-        {count_maps(materials, GW_MAP_SHEEN_COLOR), "materials with a sheen colour map: its mean is used"},
-        {count_maps(materials, GW_MAP_SHEEN_ROUGHNESS),
-         "materials with a sheen roughness map: its mean is used"},
-        {count_maps(materials, GW_MAP_SPECULAR), "materials with a specular map: its mean is used"},
-        {count_maps(materials, GW_MAP_SPECULAR_COLOR),
-         "materials with a specular colour map: its mean is used"},
-        {count_maps(materials, GW_MAP_THICKNESS), "materials with a thickness map: its mean is used"},
-        {count_coat_normals(materials), "materials with a normal map of the clearcoat: drawn without it"},
-    };
-    for (size_t i = 0; code == GW_OK && i < sizeof losses / sizeof *losses; i++)
-        code = note_count(model, losses[i].count, losses[i].what, error);
-    return code;
+    return note_count(model, count_maps(materials, GW_MAP_THICKNESS),
+                      "materials with a thickness map: its mean is used, which only shadows ask for: rays go "
+                      "through the volume itself",
+                      error);
 }
 
 /* The standard's default is a white mirror-like metal, which shows nothing; the import child took a rough

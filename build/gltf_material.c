@@ -25,6 +25,7 @@ static const struct {
     {GW_MAP_SPECULAR_GLOSSINESS, SPECULAR_GLOSSINESS, NULL, "specularGlossinessTexture"},
     {GW_MAP_CLEARCOAT, "KHR_materials_clearcoat", NULL, "clearcoatTexture"},
     {GW_MAP_CLEARCOAT_ROUGHNESS, "KHR_materials_clearcoat", NULL, "clearcoatRoughnessTexture"},
+    {GW_MAP_CLEARCOAT_NORMAL, "KHR_materials_clearcoat", NULL, "clearcoatNormalTexture"},
     {GW_MAP_SHEEN_COLOR, "KHR_materials_sheen", NULL, "sheenColorTexture"},
     {GW_MAP_SHEEN_ROUGHNESS, "KHR_materials_sheen", NULL, "sheenRoughnessTexture"},
     {GW_MAP_SPECULAR, "KHR_materials_specular", NULL, "specularTexture"},
@@ -130,6 +131,9 @@ static void read_volume(const json_t *material, gw_material_extension *out) {
 static void read_maps(const json_t *material, const gw_material *core, gw_material_extension *out) {
     if (gw_gltf_map(material, GW_MAP_NORMAL))
         out->normal_scale = factor(gw_gltf_map(material, GW_MAP_NORMAL), "scale", 1.0, -largest, largest);
+    if (gw_gltf_map(material, GW_MAP_CLEARCOAT_NORMAL))
+        out->clearcoat_normal_scale =
+            factor(gw_gltf_map(material, GW_MAP_CLEARCOAT_NORMAL), "scale", 1.0, -largest, largest);
     if (gw_gltf_map(material, GW_MAP_OCCLUSION))
         out->occlusion_strength = factor(gw_gltf_map(material, GW_MAP_OCCLUSION), "strength", 1.0, 0.0, 1.0);
     if (gw_gltf_map(material, GW_MAP_METALLIC_ROUGHNESS)) {
@@ -154,7 +158,7 @@ int gw_gltf_extension(const json_t *material, const gw_material *core, gw_materi
     read_surface(material, out);
     read_volume(material, out);
     read_maps(material, core, out);
-    for (int map = GW_MAP_METALLIC_ROUGHNESS; map < GW_MAP_SHOWN_COUNT; map++)
+    for (int map = GW_MAP_NORMAL; map < GW_MAP_SHOWN_COUNT; map++)
         if (gw_gltf_map(material, (gw_map)map))
             return 1;
     if (gw_gltf_map(material, GW_MAP_SPECULAR_GLOSSINESS)) /* which makes a metallic-roughness map */

@@ -336,8 +336,8 @@ static gw_code convert_materials(converter *self) {
     if (self->format == GW_FORMAT_OBJ && gw_scene_extend_materials(scene, self->error) != GW_OK)
         return GW_MACHINE;
     for (uint32_t i = 0; i < scene->material_count; i++) {
-        gw_code code = gw_import_material(self->read, self->read->mMaterials[i], self->format, self->model, i,
-                                          self->error);
+        gw_code code = gw_import_material(self->read, self->read->mMaterials[i], self->format, self->files,
+                                          self->model, i, self->error);
         if (code != GW_OK)
             return code;
         extended |= scene->extensions && memcmp(&none, &scene->extensions[i], sizeof none) != 0;
@@ -359,6 +359,8 @@ static gw_code note_choices(const converter *self) {
         code = gw_scene_note(scene, self->error, "%s files name no material: a rough %s is used",
                              gw_model_format_name(self->format),
                              self->colors ? "one with the vertices' colours" : "light grey one");
+    if (self->format == GW_FORMAT_OBJ)
+        code = gw_import_mtl_notes(self->read, self->files, self->model, self->error);
     return code;
 }
 

@@ -43,6 +43,16 @@ static void set_limits(double seconds, uint64_t memory) {
 #endif
 }
 
+/* Warnings of assimp about what is carried here all the same. */
+static int is_known(const char *text) {
+    static const char *const beginnings[] = {"OBJ: unexpected illumination model",
+                                             "OBJ: No object detected to attach"};
+    for (size_t i = 0; i < sizeof beginnings / sizeof *beginnings; i++)
+        if (strncmp(text, beginnings[i], strlen(beginnings[i])) == 0)
+            return 1;
+    return 0;
+}
+
 /* Keeps warnings and errors: "Warn,  T0: text" or "Error, T0: text". */
 static void keep_log_line(const char *line, char *user) {
     log_notes *notes = (log_notes *)(void *)user;
@@ -51,6 +61,8 @@ static void keep_log_line(const char *line, char *user) {
     const char *text = strstr(line, ": ");
     text = text ? text + 2 : line;
     const int length = (int)strcspn(text, "\n");
+    if (is_known(text))
+        return;
     for (int i = 0; i < notes->count; i++)
         if (strncmp(notes->texts[i], text, (size_t)length) == 0)
             return;

@@ -97,6 +97,8 @@ static struct aiFile *open_path(struct aiFileIO *io, const char *path, const cha
     } else if (read_other(files, path, &self->owned, &error) == GW_OK && self->owned.size > 0) {
         self->data = self->owned.data;
         self->size = self->owned.size;
+        if (gw_path_has_extension(path, ".mtl"))
+            gw_import_mtl_scan(self->data, self->size, files);
     } else {
         if (!files->missing)
             files->missing = gw_copy_text(relative_name(files, path));

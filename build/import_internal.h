@@ -12,6 +12,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+struct aiColor4D;
 struct aiFileIO;
 struct aiMaterial;
 struct aiScene;
@@ -61,6 +62,8 @@ double gw_import_time_limit(const gw_import_options *options);
 
 /* --- child --- */
 
+enum { GW_MTL_LOST_KEYS = 16 };
+
 /* The bytes of the model's main file, expanded and prepared, and where its other files may be. */
 typedef struct gw_import_files {
     const char *folder; /* of the model */
@@ -69,7 +72,9 @@ typedef struct gw_import_files {
     size_t limit;  /* bytes of one file */
     char *missing; /* the first file that could not be opened, NULL for none; owned */
     uint32_t missing_count;
-    uint64_t promised_triangles; /* glTF: what its meshes should hold; 0: not known */
+    uint32_t lost_mtl_keys[GW_MTL_LOST_KEYS]; /* lines of its material files that nothing stands for */
+    int mtl_illum;                            /* 1: some line of them names illum */
+    uint64_t promised_triangles;              /* glTF: what its meshes should hold; 0: not known */
     int32_t (*texcoord_sets)[2]; /* glTF: of its materials (gw_gltf_texcoord_sets()); NULL otherwise; owned */
     size_t texcoord_set_count;
 } gw_import_files;
@@ -86,10 +91,31 @@ gw_code gw_import_convert(const struct aiScene *read, gw_model_format format, co
 
 /* One material; its textures are added to the model's sources. */
 gw_code gw_import_material(const struct aiScene *read, const struct aiMaterial *from, gw_model_format format,
-                           gw_source_model *model, uint32_t index, gw_error *error);
+                           const gw_import_files *files, gw_source_model *model, uint32_t index,
+                           gw_error *error);
 /* Place of a glTF material in the file's list, by the name that gw_gltf_mark() gave it; -1 for assimp's own.
  */
 int32_t gw_import_material_index(const struct aiMaterial *from);
+
+/* The same for MTL; docs/materials.md has what its keys become. */
+gw_code gw_import_mtl_material(const struct aiScene *read, const struct aiMaterial *from,
+                               const gw_import_files *files, gw_source_model *model, uint32_t index,
+                               gw_error *error);
+/* Looks through a material file for what assimp passes over. */
+void gw_import_mtl_scan(const uint8_t *data, size_t size, gw_import_files *files);
+/* Names what of the materials in use is not carried. */
+gw_code gw_import_mtl_notes(const struct aiScene *read, const gw_import_files *files, gw_source_model *model,
+                            gw_error *error);
+
+/* Properties of a material: `missing` (0 for colours) for what is absent or no number. */
+float gw_import_float(const struct aiMaterial *from, const char *key, float missing);
+int gw_import_color(const struct aiMaterial *from, const char *key, struct aiColor4D *color);
+void gw_import_set_color(float *out, const struct aiColor4D *color, int srgb, float maximum);
+float gw_import_share(double value); /* held in 0..1 */
+/* The material's first texture of a type (aiTextureType_) as a source index, -1 for none. alpha: the type of
+ * a separate opacity picture, or aiTextureType_NONE. */
+gw_code gw_import_texture(const struct aiScene *read, const struct aiMaterial *from, int type, int alpha,
+                          gw_source_model *model, int32_t *index, gw_error *error);
 
 /* A display value 0..1 as linear light. */
 float gw_linear_from_srgb(float value);

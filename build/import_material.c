@@ -17,7 +17,7 @@ float gw_linear_from_srgb(float value) {
     return (float)gw_srgb_to_linear((double)value);
 }
 
-static float clamp01(double value) {
+float gw_import_share(double value) {
     return value > 0.0 ? (float)fmin(value, 1.0) : 0.0f; /* also for values that are not numbers */
 }
 
@@ -90,19 +90,18 @@ cleanup:
     return code;
 }
 
-/* The material's first texture of a type as a source index, -1 for none. alpha: the texture type of a
- * separate opacity picture, or aiTextureType_NONE. */
-static gw_code get_texture(const struct aiScene *read, const struct aiMaterial *from, enum aiTextureType type,
-                           enum aiTextureType alpha, gw_source_model *model, int32_t *index,
-                           gw_error *error) {
+gw_code gw_import_texture(const struct aiScene *read, const struct aiMaterial *from, int type, int alpha,
+                          gw_source_model *model, int32_t *index, gw_error *error) {
     struct aiString path = {0}, alpha_path = {0};
     enum aiTextureMapMode modes[3] = {aiTextureMapMode_Wrap, aiTextureMapMode_Wrap, aiTextureMapMode_Wrap};
     *index = -1;
-    if (aiGetMaterialTexture(from, type, 0, &path, NULL, NULL, NULL, NULL, modes, NULL) != aiReturn_SUCCESS ||
+    if (aiGetMaterialTexture(from, (enum aiTextureType)type, 0, &path, NULL, NULL, NULL, NULL, modes, NULL) !=
+            aiReturn_SUCCESS ||
         path.length == 0)
         return GW_OK;
     if (alpha != aiTextureType_NONE)
-        aiGetMaterialTexture(from, alpha, 0, &alpha_path, NULL, NULL, NULL, NULL, NULL, NULL);
+        aiGetMaterialTexture(from, (enum aiTextureType)alpha, 0, &alpha_path, NULL, NULL, NULL, NULL, NULL,
+                             NULL);
     if (strcmp(alpha_path.data, path.data) == 0)
         alpha_path.data[0] = '\0'; /* the picture's own alpha channel is meant */
     gw_texture_source source = {.path = gw_copy_text(path.data),
@@ -118,18 +117,18 @@ static gw_code get_texture(const struct aiScene *read, const struct aiMaterial *
     return add_source(read, &source, model, index, error);
 }
 
-static float get_float(const struct aiMaterial *from, const char *key, float missing) {
+float gw_import_float(const struct aiMaterial *from, const char *key, float missing) {
     ai_real value = missing;
     if (aiGetMaterialFloatArray(from, key, 0, 0, &value, NULL) != aiReturn_SUCCESS || !isfinite(value))
         return missing;
     return (float)value;
 }
 
-static int get_color(const struct aiMaterial *from, const char *key, struct aiColor4D *color) {
+int gw_import_color(const struct aiMaterial *from, const char *key, struct aiColor4D *color) {
     return aiGetMaterialColor(from, key, 0, 0, color) == aiReturn_SUCCESS;
 }
 
-static void set_color(float *out, const struct aiColor4D *color, int srgb, float maximum) {
+void gw_import_set_color(float *out, const struct aiColor4D *color, int srgb, float maximum) {
     const float channels[3] = {(float)color->r, (float)color->g, (float)color->b};
     for (int i = 0; i < 3; i++) {
         float value = isfinite(channels[i]) ? fminf(fmaxf(channels[i], 0.0f), maximum) : 0.0f;
@@ -157,91 +156,34 @@ int32_t gw_import_material_index(const struct aiMaterial *from) {
 static void gltf_material(const struct aiMaterial *from, gw_material *to, gw_material_source *source) {
     struct aiColor4D color = {1, 1, 1, 1};
     int two_sided = 0;
-    const float glossiness = get_float(from, "$mat.glossinessFactor", -1.0f);
+    const float glossiness = gw_import_float(from, "$mat.glossinessFactor", -1.0f);
     source->file_index = gw_import_material_index(from);
     if (source->file_index < 0) {
         snprintf(to->name, sizeof to->name, "default"); /* assimp's own, for primitives that name none */
         return;
     }
-    if (glossiness >= 0.0f || !get_color(from, "$clr.base", &color))
-        get_color(from, "$clr.diffuse", &color);
-    set_color(to->base_color, &color, 0, 1.0f);
-    to->base_color[3] = clamp01((double)color.a);
-    to->metalness = glossiness >= 0.0f ? 0.0f : clamp01((double)get_float(from, "$mat.metallicFactor", 1.0f));
-    to->roughness = clamp01(glossiness >= 0.0f ? 1.0 - (double)glossiness
-                                               : (double)get_float(from, "$mat.roughnessFactor", 1.0f));
+    if (glossiness >= 0.0f || !gw_import_color(from, "$clr.base", &color))
+        gw_import_color(from, "$clr.diffuse", &color);
+    gw_import_set_color(to->base_color, &color, 0, 1.0f);
+    to->base_color[3] = gw_import_share((double)color.a);
+    to->metalness = glossiness >= 0.0f
+                        ? 0.0f
+                        : gw_import_share((double)gw_import_float(from, "$mat.metallicFactor", 1.0f));
+    to->roughness =
+        gw_import_share(glossiness >= 0.0f ? 1.0 - (double)glossiness
+                                           : (double)gw_import_float(from, "$mat.roughnessFactor", 1.0f));
     color = (struct aiColor4D){0, 0, 0, 1};
-    get_color(from, "$clr.emissive", &color);
-    set_color(to->emissive, &color, 0, 1e6f);
+    gw_import_color(from, "$clr.emissive", &color);
+    gw_import_set_color(to->emissive, &color, 0, 1e6f);
     to->alpha_mode = alpha_mode_of(from);
-    to->alpha_cutoff = fmaxf(0.0f, get_float(from, "$mat.gltf.alphaCutoff", 0.5f));
+    to->alpha_cutoff = fmaxf(0.0f, gw_import_float(from, "$mat.gltf.alphaCutoff", 0.5f));
     aiGetMaterialIntegerArray(from, AI_MATKEY_TWOSIDED, &two_sided, NULL);
     to->two_sided = two_sided != 0;
 }
 
-/* Phong's exponent as a roughness: alpha^2 = 2 / (Ns + 2), and the perceptual roughness is the root of alpha.
- * Without a specular colour (illum 1) nothing shines. */
-static float mtl_roughness(const struct aiMaterial *from) {
-    struct aiColor4D specular = {0, 0, 0, 1};
-    const float exponent = get_float(from, "$mat.shininess", 0.0f);
-    get_color(from, "$clr.specular", &specular);
-    const int shines = specular.r > 0 || specular.g > 0 || specular.b > 0;
-    return shines && exponent > 0.0f ? (float)sqrt(sqrt(2.0 / ((double)exponent + 2.0))) : 1.0f;
-}
-
-static gw_code mtl_material(const struct aiScene *read, const struct aiMaterial *from, gw_source_model *model,
-                            gw_material *to, gw_material_source *source, gw_error *error) {
-    struct aiColor4D color = {0.8f, 0.8f, 0.8f, 1};
-    struct aiString name = {0};
-    if (aiGetMaterialString(from, AI_MATKEY_NAME, &name) == aiReturn_SUCCESS)
-        snprintf(to->name, sizeof to->name, "%.*s", (int)sizeof to->name - 1, name.data);
-    gw_code code = get_texture(read, from, aiTextureType_DIFFUSE, aiTextureType_OPACITY, model,
-                               &source->maps[GW_MAP_BASE_COLOR], error);
-    if (code == GW_OK)
-        code = get_texture(read, from, aiTextureType_EMISSIVE, aiTextureType_NONE, model,
-                           &source->maps[GW_MAP_EMISSIVE], error);
-    if (code == GW_OK)
-        code = get_texture(read, from, aiTextureType_NORMALS, aiTextureType_NONE, model,
-                           &source->maps[GW_MAP_NORMAL], error);
-    if (code == GW_OK && source->maps[GW_MAP_NORMAL] < 0) {
-        code = get_texture(read, from, aiTextureType_HEIGHT, aiTextureType_NONE, model,
-                           &source->maps[GW_MAP_NORMAL], error);
-        source->normal_may_be_height = source->maps[GW_MAP_NORMAL] >= 0;
-    }
-    get_color(from, "$clr.diffuse", &color);
-    if (source->maps[GW_MAP_BASE_COLOR] >= 0 && color.r <= 0 && color.g <= 0 && color.b <= 0)
-        color = (struct aiColor4D){1, 1, 1,
-                                   1}; /* exporters write a black Kd beside map_Kd; it would hide the map */
-    set_color(to->base_color, &color, 1, 1.0f);
-    to->base_color[3] = clamp01((double)get_float(from, "$mat.opacity", 1.0f));
-    to->alpha_mode = to->base_color[3] < 1.0f ? GW_ALPHA_BLEND : GW_ALPHA_OPAQUE;
-    source->alpha_from_texture = to->alpha_mode == GW_ALPHA_OPAQUE;
-    to->metalness = clamp01((double)get_float(from, "$mat.metallicFactor", 0.0f));
-    const float roughness = get_float(from, "$mat.roughnessFactor", -1.0f); /* Pr of the PBR keys */
-    to->roughness = clamp01((double)(roughness >= 0.0f ? roughness : mtl_roughness(from)));
-    color = (struct aiColor4D){0, 0, 0, 1};
-    get_color(from, "$clr.emissive", &color);
-    if (source->maps[GW_MAP_EMISSIVE] >= 0 && color.r <= 0 && color.g <= 0 && color.b <= 0)
-        color = (struct aiColor4D){1, 1, 1, 1}; /* as with map_Kd */
-    set_color(to->emissive, &color, 1, 1.0f);
-    to->two_sided = 1;
-    return code;
-}
-
-/* Ni, Pc, Pcr and Ps. An index of 1 is what exporters write who know none. */
-static void mtl_extension(const struct aiMaterial *from, gw_material_extension *to) {
-    const float ior = get_float(from, "$mat.refracti", 1.0f);
-    const float sheen = clamp01((double)get_float(from, "$clr.sheen.factor", 0.0f));
-    to->ior = ior > 1.0f ? fminf(ior, 1e6f) : to->ior;
-    to->clearcoat = clamp01((double)get_float(from, "$mat.clearcoat.factor", 0.0f));
-    to->clearcoat_roughness = clamp01((double)get_float(from, "$mat.clearcoat.roughnessFactor", 0.0f));
-    for (int i = 0; i < 3; i++)
-        to->sheen_color[i] = sheen;
-    to->sheen_roughness = sheen > 0.0f ? 0.5f : to->sheen_roughness; /* MTL has no key for it */
-}
-
 gw_code gw_import_material(const struct aiScene *read, const struct aiMaterial *from, gw_model_format format,
-                           gw_source_model *model, uint32_t index, gw_error *error) {
+                           const gw_import_files *files, gw_source_model *model, uint32_t index,
+                           gw_error *error) {
     gw_material *to = &model->scene->materials[index];
     gw_material_source *source = &model->material_sources[index];
     *to = (gw_material){.base_color = {0.7f, 0.7f, 0.7f, 1.0f},
@@ -255,9 +197,7 @@ gw_code gw_import_material(const struct aiScene *read, const struct aiMaterial *
     if (format == GW_FORMAT_GLTF)
         return GW_OK;
     if (format == GW_FORMAT_OBJ)
-        mtl_extension(from, &model->scene->extensions[index]);
-    if (format == GW_FORMAT_OBJ)
-        return mtl_material(read, from, model, to, source, error);
+        return gw_import_mtl_material(read, from, files, model, index, error);
     snprintf(to->name, sizeof to->name,
              "default"); /* PLY, STL and OFF have no materials; a colour comes by vertex */
     return GW_OK;

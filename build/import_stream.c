@@ -9,7 +9,7 @@
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the stream copies little-endian memory");
 
 static const char stream_magic[8] = {'G', 'W', 'M', 'O', 'D', 'E', 'L', '\n'};
-enum { STREAM_VERSION = 3, MAXIMUM_TEXT = 4096, TRAILER = 0x0a444e45 /* "END\n" */ };
+enum { STREAM_VERSION = 4, MAXIMUM_TEXT = 4096, TRAILER = 0x0a444e45 /* "END\n" */ };
 enum {
     HAS_NORMALS = 1,
     HAS_TEXCOORDS = 2,
@@ -91,6 +91,7 @@ static void put_materials(writer *to, const gw_source_model *model) {
         put(to, source->maps, sizeof source->maps);
         put_u32(to, (uint32_t)source->alpha_from_texture);
         put_u32(to, (uint32_t)source->normal_may_be_height);
+        put(to, &source->exponent, sizeof source->exponent);
     }
     if (model->scene->extensions)
         put(to, model->scene->extensions, model->scene->material_count * sizeof(gw_material_extension));
@@ -310,7 +311,7 @@ static void get_extensions(reader *from, gw_scene *scene, uint32_t count) {
 }
 
 static void get_materials(reader *from, gw_source_model *model, uint32_t flags) {
-    const uint32_t count = get_count(from, 60 + GW_MAP_COUNT * 4);
+    const uint32_t count = get_count(from, 64 + GW_MAP_COUNT * 4);
     model->scene->materials = new_array(from, count, sizeof *model->scene->materials);
     model->material_sources = new_array(from, count, sizeof *model->material_sources);
     for (uint32_t i = 0; i < count && !from->fault; i++) {
@@ -330,6 +331,7 @@ static void get_materials(reader *from, gw_source_model *model, uint32_t flags) 
         get(from, source->maps, sizeof source->maps);
         source->alpha_from_texture = (int32_t)get_choice(from, 2);
         source->normal_may_be_height = (int32_t)get_choice(from, 2);
+        get_floats(from, &source->exponent, 1, 0.0f, 1e30f);
     }
     if (flags & HAS_EXTENSIONS)
         get_extensions(from, model->scene, count);

@@ -139,24 +139,6 @@ static void apply_mean(gw_map map, const double mean[4], const double linear[4],
     case GW_MAP_EMISSIVE:
         multiply(material->emissive, 3, linear);
         break;
-    case GW_MAP_CLEARCOAT:
-        multiply(&extension->clearcoat, 1, &mean[0]);
-        break;
-    case GW_MAP_CLEARCOAT_ROUGHNESS:
-        multiply(&extension->clearcoat_roughness, 1, &mean[1]);
-        break;
-    case GW_MAP_SHEEN_COLOR:
-        multiply(extension->sheen_color, 3, linear);
-        break;
-    case GW_MAP_SHEEN_ROUGHNESS:
-        multiply(&extension->sheen_roughness, 1, &mean[3]);
-        break;
-    case GW_MAP_SPECULAR:
-        multiply(&extension->specular, 1, &mean[3]);
-        break;
-    case GW_MAP_SPECULAR_COLOR:
-        multiply(extension->specular_color, 3, linear);
-        break;
     case GW_MAP_THICKNESS:
         multiply(&extension->thickness, 1, &mean[1]);
         break;
@@ -216,6 +198,69 @@ static int32_t add_texture(gw_scene *scene, const gw_texture_source *source, con
     return (int32_t)scene->texture_count++;
 }
 
+/* Of what a map says only some channels. */
+typedef enum map_channels { AS_IT_IS, OPAQUE, ALPHA_AS_DATA, KINDS_OF_CHANNELS } map_channels;
+
+static map_channels channels_of(gw_map map, const gw_image *image) {
+    if (map == GW_MAP_SHEEN_ROUGHNESS || map == GW_MAP_SPECULAR)
+        return ALPHA_AS_DATA;
+    const int color = map == GW_MAP_SHEEN_COLOR || map == GW_MAP_SPECULAR_COLOR;
+    return color && image_has_alpha(image) ? OPAQUE : AS_IT_IS; /* alpha would weigh the colours */
+}
+
+static gw_code copy_channels(const gw_image *from, map_channels channels, gw_image *out, gw_error *error) {
+    const gw_code code = gw_image_create(from->width, from->height, out, error);
+    const uint64_t pixels = code == GW_OK ? (uint64_t)from->width * from->height : 0;
+    for (uint64_t i = 0; i < pixels; i++) {
+        const uint8_t *in = from->rgba + i * 4;
+        uint8_t *to = out->rgba + i * 4;
+        for (int c = 0; c < 3; c++)
+            to[c] = channels == ALPHA_AS_DATA ? in[3] : in[c];
+        to[3] = 255;
+    }
+    return code;
+}
+
+/* Which texture a map of these channels shows; added when it is first asked for. `image` is taken, and then
+ * stands in the scene's textures, when all of it is. */
+static gw_code texture_for(gw_source_model *model, uint32_t index, map_channels channels, gw_image *image,
+                           int32_t *texture, gw_error *error) {
+    const gw_texture_source *source = &model->sources[index];
+    gw_image part = {0};
+    char name[64];
+    if (*texture >= 0)
+        return GW_OK;
+    gw_code code = channels == AS_IT_IS ? GW_OK : copy_channels(image, channels, &part, error);
+    if (code != GW_OK)
+        return code;
+    snprintf(name, sizeof name, "embedded %u", index);
+    *texture = add_texture(model->scene, source, source->bytes ? name : source->path,
+                           channels == AS_IT_IS ? image : &part);
+    return GW_OK;
+}
+
+/* Points all materials that show the source in these channels at the texture that holds them. */
+static gw_code point_maps(gw_source_model *model, uint32_t index,
+                          const map_channels wanted[GW_MAP_SHOWN_COUNT], map_channels channels,
+                          gw_image *image, gw_error *error) {
+    gw_scene *scene = model->scene;
+    gw_code code = GW_OK;
+    int32_t texture = -1;
+    for (uint32_t i = 0; i < scene->material_count; i++)
+        for (int map = 0; code == GW_OK && map < GW_MAP_SHOWN_COUNT; map++) {
+            gw_texture_use *use =
+                scene->extensions ? gw_texture_use_of(&scene->extensions[i], (gw_map)map) : NULL;
+            if (model->material_sources[i].maps[map] != (int32_t)index || wanted[map] != channels)
+                continue;
+            code = texture_for(model, index, channels, image, &texture, error);
+            if (code == GW_OK && map == GW_MAP_BASE_COLOR)
+                scene->materials[i].base_color_texture = texture;
+            else if (code == GW_OK && use)
+                use->texture = texture;
+        }
+    return code;
+}
+
 /* Moves the picture to the scene's textures and points the materials there. */
 static gw_code keep_texture(gw_source_model *model, uint32_t index, gw_image *image, gw_error *error) {
     gw_scene *scene = model->scene;
@@ -224,23 +269,12 @@ static gw_code keep_texture(gw_source_model *model, uint32_t index, gw_image *im
     if (code == GW_OK && (image->width > LARGE_SIDE || image->height > LARGE_SIDE))
         code = gw_scene_note(scene, error, "texture '%.100s' is large: %u x %u pixels", source->path,
                              image->width, image->height);
-    if (code != GW_OK)
-        return code;
-    char name[64];
-    snprintf(name, sizeof name, "embedded %u", index);
-    const int32_t texture = add_texture(scene, source, source->bytes ? name : source->path, image);
-    for (uint32_t i = 0; i < scene->material_count; i++)
-        for (int map = 0; map < GW_MAP_SHOWN_COUNT; map++) {
-            gw_texture_use *use =
-                scene->extensions ? gw_texture_use_of(&scene->extensions[i], (gw_map)map) : NULL;
-            if (model->material_sources[i].maps[map] != (int32_t)index)
-                continue;
-            if (map == GW_MAP_BASE_COLOR)
-                scene->materials[i].base_color_texture = texture;
-            else if (use)
-                use->texture = texture;
-        }
-    return GW_OK;
+    map_channels wanted[GW_MAP_SHOWN_COUNT];
+    for (int map = 0; map < GW_MAP_SHOWN_COUNT; map++)
+        wanted[map] = channels_of((gw_map)map, image);
+    for (int channels = KINDS_OF_CHANNELS; code == GW_OK && channels-- > AS_IT_IS;) /* the whole one last */
+        code = point_maps(model, index, wanted, (map_channels)channels, image, error);
+    return code;
 }
 
 /* A material of specular-glossiness becomes one of metallic-roughness; with maps, in pictures of its own. */
@@ -286,10 +320,74 @@ static gw_code convert_specular(gw_source_model *model, uint32_t m, const char *
     return code;
 }
 
+static double brightness(const uint8_t *pixel) {
+    return (2126.0 * pixel[0] + 7152.0 * pixel[1] + 722.0 * pixel[2]) / 2550000.0;
+}
+
+/* The pixel of a picture that lies where (x, y) of one of that size lies. */
+static const uint8_t *pixel_at(const gw_image *image, uint32_t x, uint32_t y, uint32_t width,
+                               uint32_t height) {
+    const uint64_t from_x = (uint64_t)x * image->width / width, from_y = (uint64_t)y * image->height / height;
+    return image->rgba + (from_y * image->width + from_x) * 4;
+}
+
+/* roughness or metalness may have no pixels: then the material's factor stands. */
+static void join_pixels(const gw_image *roughness, const gw_image *metalness, float exponent, gw_image *out) {
+    for (uint32_t y = 0; y < out->height; y++)
+        for (uint32_t x = 0; x < out->width; x++) {
+            uint8_t *to = out->rgba + ((uint64_t)y * out->width + x) * 4;
+            double rough = 1.0, metal = 1.0;
+            if (roughness->rgba)
+                rough = brightness(pixel_at(roughness, x, y, out->width, out->height));
+            if (roughness->rgba && exponent > 0.0f)
+                rough = (double)gw_roughness_of_exponent(rough * (double)exponent);
+            if (metalness->rgba)
+                metal = brightness(pixel_at(metalness, x, y, out->width, out->height));
+            to[0] = to[3] = 255;
+            to[1] = (uint8_t)lround(rough * 255.0);
+            to[2] = (uint8_t)lround(metal * 255.0);
+        }
+}
+
+/* MTL's maps of roughness (or of the exponent) and metalness become the one map that glTF has for both. */
+static gw_code join_finish(gw_source_model *model, uint32_t m, const char *folder, gw_error *error) {
+    gw_material *material = &model->scene->materials[m];
+    gw_material_source *source = &model->material_sources[m];
+    const int32_t alone[2] = {source->maps[GW_MAP_ROUGHNESS_ALONE], source->maps[GW_MAP_METALNESS_ALONE]};
+    gw_image images[3] = {{0}}; /* roughness, metalness, both */
+    gw_code code = GW_OK;
+    if (alone[0] < 0 && alone[1] < 0)
+        return GW_OK;
+    for (int i = 0; code == GW_OK && i < 2; i++)
+        if (alone[i] >= 0)
+            code = load_source(model, (uint32_t)alone[i], folder, &images[i], error);
+    const gw_image *larger = images[0].width >= images[1].width ? &images[0] : &images[1];
+    if (code == GW_OK)
+        code = gw_image_create(larger->width, larger->height, &images[2], error);
+    if (code == GW_OK) {
+        gw_material_extension *extension = &model->scene->extensions[m];
+        double mean[4];
+        join_pixels(&images[0], &images[1], source->exponent, &images[2]);
+        image_mean(&images[2], 0, mean);
+        extension->roughness = alone[0] >= 0 ? 1.0f : material->roughness;
+        extension->metalness = alone[1] >= 0 ? 1.0f : material->metalness;
+        material->roughness = (float)((double)extension->roughness * mean[1]);
+        material->metalness = (float)((double)extension->metalness * mean[2]);
+        extension->metallic_roughness.texture =
+            add_texture(model->scene, &model->sources[alone[0] >= 0 ? alone[0] : alone[1]],
+                        "joined metallic-roughness", &images[2]);
+        source->maps[GW_MAP_ROUGHNESS_ALONE] = source->maps[GW_MAP_METALNESS_ALONE] = -1;
+    }
+    for (int i = 0; i < 3; i++)
+        gw_image_finish(&images[i]);
+    return code;
+}
+
 /* Room for every source, and for what is converted of each material. */
 static gw_code make_room(gw_source_model *model, gw_error *error) {
     gw_scene *scene = model->scene;
-    return gw_allocate((void **)&scene->textures, model->source_count + 2 * (size_t)scene->material_count,
+    return gw_allocate((void **)&scene->textures,
+                       KINDS_OF_CHANNELS * (size_t)model->source_count + 2 * (size_t)scene->material_count,
                        sizeof *scene->textures, "textures", error);
 }
 
@@ -300,7 +398,7 @@ static gw_code extend_for_maps(gw_source_model *model, gw_error *error) {
     for (uint32_t i = 0; code == GW_OK && i < scene->material_count; i++) {
         const gw_material_source *source = &model->material_sources[i];
         int needed = source->specular[3] >= 0.0f && source->maps[GW_MAP_BASE_COLOR] >= 0;
-        for (int map = GW_MAP_METALLIC_ROUGHNESS; map < GW_MAP_COUNT; map++)
+        for (int map = GW_MAP_NORMAL; map < GW_MAP_COUNT; map++)
             needed = needed || source->maps[map] >= 0;
         if (needed)
             code = gw_scene_extend_materials(scene, error);
@@ -351,6 +449,8 @@ gw_code gw_import_textures(gw_source_model *model, const char *path, const gw_lo
         code = extend_for_maps(model, error);
     for (uint32_t i = 0; code == GW_OK && i < model->scene->material_count; i++)
         code = convert_specular(model, i, folder, error);
+    for (uint32_t i = 0; code == GW_OK && i < model->scene->material_count; i++)
+        code = join_finish(model, i, folder, error);
     for (uint32_t i = 0; code == GW_OK && i < model->source_count; i++) {
         gw_image image = {0};
         if (!user_of(model, i))

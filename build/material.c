@@ -19,7 +19,33 @@ gw_material_extension gw_material_extension_none(void) {
                                    .specular = 1,
                                    .specular_color = {1, 1, 1},
                                    .transmission_map = none,
-                                   .attenuation_color = {1, 1, 1}};
+                                   .attenuation_color = {1, 1, 1},
+                                   .clearcoat_map = none,
+                                   .clearcoat_roughness_map = none,
+                                   .clearcoat_normal = none,
+                                   .clearcoat_normal_scale = 1,
+                                   .sheen_color_map = none,
+                                   .sheen_roughness_map = none,
+                                   .specular_map = none,
+                                   .specular_color_map = none};
+}
+
+gw_texture_use *gw_texture_use_of(gw_material_extension *extension, gw_map map) {
+    gw_texture_use *const uses[GW_MAP_COUNT] = {
+        [GW_MAP_NORMAL] = &extension->normal,
+        [GW_MAP_METALLIC_ROUGHNESS] = &extension->metallic_roughness,
+        [GW_MAP_OCCLUSION] = &extension->occlusion,
+        [GW_MAP_EMISSIVE] = &extension->emissive_map,
+        [GW_MAP_TRANSMISSION] = &extension->transmission_map,
+        [GW_MAP_CLEARCOAT] = &extension->clearcoat_map,
+        [GW_MAP_CLEARCOAT_ROUGHNESS] = &extension->clearcoat_roughness_map,
+        [GW_MAP_CLEARCOAT_NORMAL] = &extension->clearcoat_normal,
+        [GW_MAP_SHEEN_COLOR] = &extension->sheen_color_map,
+        [GW_MAP_SHEEN_ROUGHNESS] = &extension->sheen_roughness_map,
+        [GW_MAP_SPECULAR] = &extension->specular_map,
+        [GW_MAP_SPECULAR_COLOR] = &extension->specular_color_map,
+    };
+    return map < GW_MAP_COUNT ? uses[map] : NULL;
 }
 
 static int use_is_wrong(const gw_scene *scene, const gw_texture_use *use) {
@@ -39,10 +65,8 @@ static int all_within(const float *values, size_t count, float least, float most
 
 const char *gw_material_extension_fault(const gw_scene *scene, uint32_t i) {
     const gw_material_extension *e = &scene->extensions[i];
-    const gw_texture_use *uses[] = {&e->normal, &e->metallic_roughness, &e->occlusion, &e->emissive_map,
-                                    &e->transmission_map};
-    for (size_t k = 0; k < sizeof uses / sizeof *uses; k++)
-        if (use_is_wrong(scene, uses[k]))
+    for (int map = GW_MAP_NORMAL; map < GW_MAP_SHOWN_COUNT; map++)
+        if (use_is_wrong(scene, gw_texture_use_of(&scene->extensions[i], (gw_map)map)))
             return "a map whose picture or texture coordinates are not there";
     const struct {
         const float *values;
@@ -51,6 +75,8 @@ const char *gw_material_extension_fault(const gw_scene *scene, uint32_t i) {
         const char *fault;
     } ranges[] = {
         {&e->normal_scale, 1, -largest, largest, "a scale of its normal map that is no number"},
+        {&e->clearcoat_normal_scale, 1, -largest, largest,
+         "a scale of its clearcoat's normal map that is no number"},
         {&e->metalness, 1, 0, 1, "a metalness outside 0..1"},
         {&e->roughness, 1, 0, 1, "a roughness outside 0..1"},
         {&e->occlusion_strength, 1, 0, 1, "a strength of its occlusion map outside 0..1"},

@@ -52,7 +52,7 @@ typedef struct header {
 } header;
 
 static const gw_block_head kind = {
-    .magic = {'G', 'W', 'S', 'C', 'E', 'N', 'E', ' '}, .version = 7, .section_count = SECTION_COUNT};
+    .magic = {'G', 'W', 'S', 'C', 'E', 'N', 'E', ' '}, .version = 8, .section_count = SECTION_COUNT};
 static const char what[] = "the shared scene";
 
 /* Sizes of all sections from the counts of a header; the reader compares with what the block claims. */

@@ -35,6 +35,31 @@ typedef struct gw_material {
     int32_t base_color_texture; /* index into textures, -1 for none */
 } gw_material;
 
+/* Pictures that a material may name. Those up to GW_MAP_SHOWN_COUNT are shown; of the thickness the mean is
+ * used; specular-glossiness is converted together with the base colour, and maps that stand alone are joined.
+ */
+typedef enum gw_map {
+    GW_MAP_BASE_COLOR, /* sRGB; the only one that gw_material holds */
+    GW_MAP_NORMAL,
+    GW_MAP_METALLIC_ROUGHNESS,  /* green: roughness, blue: metalness */
+    GW_MAP_OCCLUSION,           /* red */
+    GW_MAP_EMISSIVE,            /* sRGB */
+    GW_MAP_TRANSMISSION,        /* red */
+    GW_MAP_CLEARCOAT,           /* red */
+    GW_MAP_CLEARCOAT_ROUGHNESS, /* green */
+    GW_MAP_CLEARCOAT_NORMAL,
+    GW_MAP_SHEEN_COLOR,     /* sRGB */
+    GW_MAP_SHEEN_ROUGHNESS, /* in files: alpha; here: red */
+    GW_MAP_SPECULAR,        /* in files: alpha; here: red */
+    GW_MAP_SPECULAR_COLOR,  /* sRGB */
+    GW_MAP_SHOWN_COUNT,
+    GW_MAP_SPECULAR_GLOSSINESS = GW_MAP_SHOWN_COUNT, /* sRGB specular colour; alpha: glossiness */
+    GW_MAP_THICKNESS,                                /* green */
+    GW_MAP_ROUGHNESS_ALONE,                          /* of MTL, become metallic-roughness: brightness */
+    GW_MAP_METALNESS_ALONE,
+    GW_MAP_COUNT
+} gw_map;
+
 /* A picture that a material reads besides its base colour. */
 typedef struct gw_texture_use {
     int32_t texture;    /* index into textures, -1 for none */
@@ -49,9 +74,9 @@ typedef struct gw_texture_use {
 typedef struct gw_material_extension {
     gw_texture_use normal; /* linear; tangent space, green up */
     float normal_scale;
-    gw_texture_use metallic_roughness;    /* linear; green: roughness, blue: metalness */
+    gw_texture_use metallic_roughness;    /* linear */
     float metalness, roughness;           /* 0..1, with that map only */
-    gw_texture_use occlusion;             /* linear, red */
+    gw_texture_use occlusion;             /* linear */
     float occlusion_strength;             /* 0..1 */
     gw_texture_use emissive_map;          /* sRGB */
     float emissive[3];                    /* >= 0, with that map only */
@@ -59,12 +84,19 @@ typedef struct gw_material_extension {
     float ior;                            /* >= 1, default 1.5 */
     float specular, specular_color[3];    /* 0..1; >= 0: factors of the dielectric reflection at 0 degrees */
     float transmission;                   /* 0..1: share of what is not reflected that goes through */
-    gw_texture_use transmission_map;      /* linear, red */
+    gw_texture_use transmission_map;      /* linear; as all maps below it is multiplied by its factor */
     float thickness;                      /* 0: a thin sheet; > 0: the surface bounds a volume */
     float attenuation_color[3];           /* what is left of white light after attenuation_distance, > 0..1 */
     float attenuation_distance;           /* scene metres; 0: nothing is absorbed */
     float clearcoat, clearcoat_roughness; /* 0..1 */
+    gw_texture_use clearcoat_map, clearcoat_roughness_map; /* linear */
+    gw_texture_use clearcoat_normal;                       /* as normal */
+    float clearcoat_normal_scale;
     float sheen_color[3], sheen_roughness; /* linear, 0..1 */
+    gw_texture_use sheen_color_map;        /* sRGB */
+    gw_texture_use sheen_roughness_map;    /* linear */
+    gw_texture_use specular_map;           /* linear */
+    gw_texture_use specular_color_map;     /* sRGB */
 } gw_material_extension;
 
 typedef struct gw_texture {
@@ -231,6 +263,8 @@ double gw_light_area(const gw_light *light);
 gw_material_extension gw_material_extension_none(void);
 /* What is wrong with the i-th extension of a scene, in words; NULL when nothing is. */
 const char *gw_material_extension_fault(const gw_scene *scene, uint32_t i);
+/* Where an extension keeps a map's use; NULL for those that it has none of. */
+gw_texture_use *gw_texture_use_of(gw_material_extension *extension, gw_map map);
 /* Gives the scene extensions that change nothing, if it has none yet. */
 gw_code gw_scene_extend_materials(gw_scene *scene, gw_error *error);
 

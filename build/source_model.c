@@ -30,21 +30,8 @@ gw_material_source gw_material_source_none(void) {
     return none;
 }
 
-gw_texture_use *gw_texture_use_of(gw_material_extension *extension, gw_map map) {
-    switch (map) {
-    case GW_MAP_METALLIC_ROUGHNESS:
-        return &extension->metallic_roughness;
-    case GW_MAP_EMISSIVE:
-        return &extension->emissive_map;
-    case GW_MAP_NORMAL:
-        return &extension->normal;
-    case GW_MAP_OCCLUSION:
-        return &extension->occlusion;
-    case GW_MAP_TRANSMISSION:
-        return &extension->transmission_map;
-    default:
-        return NULL;
-    }
+float gw_roughness_of_exponent(double exponent) {
+    return (float)sqrt(sqrt(2.0 / (fmax(exponent, 0.0) + 2.0)));
 }
 
 void gw_source_model_drop_sources(gw_source_model *model) {

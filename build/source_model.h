@@ -10,6 +10,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* Phong's exponent as a perceptual roughness: alpha^2 = 2 / (Ns + 2), and roughness is the root of alpha. */
+float gw_roughness_of_exponent(double exponent);
+
 /* Where a texture's pixels are: in a file beside the model, or bytes that came with it. */
 typedef struct gw_texture_source {
     char *path;       /* as the model names it, relative to the model's folder; "" when embedded */
@@ -22,27 +25,6 @@ typedef struct gw_texture_source {
     int32_t image;   /* place in the glTF file's list, -1 when unknown */
 } gw_texture_source;
 
-/* Pictures that a material may name. Those up to GW_MAP_SHOWN_COUNT are shown; of the others the mean is
- * used, but for specular-glossiness, which is converted together with the base colour. */
-typedef enum gw_map {
-    GW_MAP_BASE_COLOR,
-    GW_MAP_METALLIC_ROUGHNESS, /* green: roughness, blue: metalness */
-    GW_MAP_EMISSIVE,
-    GW_MAP_NORMAL,
-    GW_MAP_OCCLUSION,    /* red */
-    GW_MAP_TRANSMISSION, /* red */
-    GW_MAP_SHOWN_COUNT,
-    GW_MAP_SPECULAR_GLOSSINESS = GW_MAP_SHOWN_COUNT, /* sRGB specular colour; alpha: glossiness */
-    GW_MAP_CLEARCOAT,                                /* red */
-    GW_MAP_CLEARCOAT_ROUGHNESS,                      /* green */
-    GW_MAP_SHEEN_COLOR,                              /* sRGB */
-    GW_MAP_SHEEN_ROUGHNESS,                          /* alpha */
-    GW_MAP_SPECULAR,                                 /* alpha */
-    GW_MAP_SPECULAR_COLOR,                           /* sRGB */
-    GW_MAP_THICKNESS,                                /* green */
-    GW_MAP_COUNT
-} gw_map;
-
 /* What a material says beyond gw_material. */
 typedef struct gw_material_source {
     int32_t file_index;         /* place in the glTF file's list, -1 when unknown */
@@ -50,12 +32,11 @@ typedef struct gw_material_source {
     int32_t
         alpha_from_texture; /* 1: the file names no alpha mode; take MASK if the texture has alpha (MTL) */
     int32_t normal_may_be_height; /* 1: MTL's bump: a normal map or one of heights, as its pixels tell */
+    float exponent;    /* > 0: GW_MAP_ROUGHNESS_ALONE is MTL's map_Ns, shares of this Phong exponent */
     float specular[4]; /* of specular-glossiness: linear colour at 0 degrees, glossiness; below 0: none */
 } gw_material_source;
 
 gw_material_source gw_material_source_none(void);
-/* Where an extension keeps a map's use; NULL for those that it has none of. */
-gw_texture_use *gw_texture_use_of(gw_material_extension *extension, gw_map map);
 
 /* Vertices that came from one primitive under one node of a glTF file, in the file's order. */
 typedef struct gw_vertex_span {

@@ -53,6 +53,10 @@ const gw_feature_row gw_feature_rows[] = {
     {GW_FEATURE_SHEEN, "sheen", "SHEEN", "no material in use has any"},
     {GW_FEATURE_SPECULAR, "specular", "SPECULAR",
      "every material in use reflects as index 1.5 does, or as a metal"},
+    {GW_FEATURE_LAYER_MAPS, "layer-maps", "LAYER_MAPS",
+     "no material in use has a map of its clearcoat or sheen"},
+    {GW_FEATURE_SPECULAR_MAPS, "specular-maps", "SPECULAR_MAPS", "no material in use has one"},
+    {GW_FEATURE_TRANSMISSION_MAPS, "transmission-maps", "TRANSMISSION_MAPS", "no material in use has one"},
     {GW_FEATURE_UNLIT, "unlit", "UNLIT", "every material in use is lit"},
     {GW_FEATURE_MAP_PLACEMENT, "map-placement", "MAP_PLACEMENT",
      "every map lies where the base colour of its material does"},
@@ -99,6 +103,21 @@ static gw_features features_of_use(const gw_scene *scene, const gw_texture_use *
     return map | (scene->textures[use->texture].nearest ? GW_FEATURE_SQUARE_TEXELS : 0);
 }
 
+static gw_features features_of_layers(const gw_scene *scene, const gw_material_extension *extension) {
+    gw_features bits = 0;
+    if (extension->clearcoat > 0.0f)
+        bits |= GW_FEATURE_CLEARCOAT |
+                features_of_use(scene, &extension->clearcoat_map, GW_FEATURE_LAYER_MAPS) |
+                features_of_use(scene, &extension->clearcoat_roughness_map, GW_FEATURE_LAYER_MAPS) |
+                features_of_use(scene, &extension->clearcoat_normal, GW_FEATURE_LAYER_MAPS);
+    if (extension->sheen_color[0] > 0.0f || extension->sheen_color[1] > 0.0f ||
+        extension->sheen_color[2] > 0.0f)
+        bits |= GW_FEATURE_SHEEN |
+                features_of_use(scene, &extension->sheen_color_map, GW_FEATURE_LAYER_MAPS) |
+                features_of_use(scene, &extension->sheen_roughness_map, GW_FEATURE_LAYER_MAPS);
+    return bits;
+}
+
 static gw_features features_of_extension(const gw_scene *scene, const gw_material_extension *extension) {
     const float *emissive = extension->emissive;
     gw_features bits = features_of_use(scene, &extension->normal, GW_FEATURE_NORMAL_MAPS) |
@@ -106,13 +125,13 @@ static gw_features features_of_extension(const gw_scene *scene, const gw_materia
                        features_of_use(scene, &extension->occlusion, GW_FEATURE_MATERIAL_MAPS);
     if (emissive[0] > 0.0f || emissive[1] > 0.0f || emissive[2] > 0.0f)
         bits |= features_of_use(scene, &extension->emissive_map, GW_FEATURE_EMISSIVE_MAPS);
-    if (extension->clearcoat > 0.0f)
-        bits |= GW_FEATURE_CLEARCOAT;
-    if (extension->sheen_color[0] > 0.0f || extension->sheen_color[1] > 0.0f ||
-        extension->sheen_color[2] > 0.0f)
-        bits |= GW_FEATURE_SHEEN;
-    if (extension->ior != 1.5f || extension->specular != 1.0f || extension->specular_color[0] != 1.0f ||
-        extension->specular_color[1] != 1.0f || extension->specular_color[2] != 1.0f)
+    const gw_features specular_maps =
+        features_of_use(scene, &extension->specular_map, GW_FEATURE_SPECULAR_MAPS) |
+        features_of_use(scene, &extension->specular_color_map, GW_FEATURE_SPECULAR_MAPS);
+    bits |= features_of_layers(scene, extension) | specular_maps;
+    if (specular_maps || extension->ior != 1.5f || extension->specular != 1.0f ||
+        extension->specular_color[0] != 1.0f || extension->specular_color[1] != 1.0f ||
+        extension->specular_color[2] != 1.0f)
         bits |= GW_FEATURE_SPECULAR;
     if (extension->unlit)
         bits |= GW_FEATURE_UNLIT;
@@ -136,7 +155,9 @@ static gw_features features_of_glass(const gw_scene *scene, uint32_t material) {
     const float least =
         fminf(e->attenuation_color[0], fminf(e->attenuation_color[1], e->attenuation_color[2]));
     const int absorbs = gw_bounds_medium(scene, material) && e->attenuation_distance > 0.0f && least < 1.0f;
-    return GW_FEATURE_TRANSMISSION | (absorbs ? GW_FEATURE_ABSORPTION : 0);
+    return GW_FEATURE_TRANSMISSION |
+           features_of_use(scene, &e->transmission_map, GW_FEATURE_TRANSMISSION_MAPS) |
+           (absorbs ? GW_FEATURE_ABSORPTION : 0);
 }
 
 static int has_normal(const gw_scene *scene) {

@@ -41,18 +41,21 @@ enum { GW_MOST_FEATURES = 64 };
 #define GW_FEATURE_UNLIT GW_FEATURE_BIT(21)
 #define GW_FEATURE_MAP_PLACEMENT GW_FEATURE_BIT(22)   /* maps that lie otherwise than the base colour */
 #define GW_FEATURE_SQUARE_TEXELS GW_FEATURE_BIT(23)   /* textures that are not interpolated */
+#define GW_FEATURE_LAYER_MAPS GW_FEATURE_BIT(24)      /* of clearcoat and sheen */
 #define GW_FEATURE_SPOT_LIGHTS GW_FEATURE_BIT(25)     /* lights with a cone or a range */
 #define GW_FEATURE_AREA_LIGHTS GW_FEATURE_BIT(26)     /* lights with an extent: soft shadows */
 #define GW_FEATURE_ENVIRONMENT GW_FEATURE_BIT(27)     /* light and background by direction */
 #define GW_FEATURE_EMISSIVE_LIGHTS GW_FEATURE_BIT(28) /* what emits light lights other things */
-#define GW_FEATURE_TRANSMISSION GW_FEATURE_BIT(33)    /* light passes surfaces and is bent */
-#define GW_FEATURE_ABSORPTION GW_FEATURE_BIT(34)      /* media take some of it on its way */
-#define GW_FEATURE_TONE GW_FEATURE_BIT(40)            /* a curve other than linear */
-#define GW_FEATURE_EXPOSURE GW_FEATURE_BIT(41)        /* light is multiplied before the curve */
-#define GW_FEATURE_DITHER GW_FEATURE_BIT(42)          /* rounding to 8 bits by a pattern */
-#define GW_FEATURE_OCCLUSION GW_FEATURE_BIT(43)       /* what stands near covers light from everywhere */
-#define GW_FEATURE_DIFFUSE GW_FEATURE_BIT(44)         /* what is lit lights what stands near, once */
-#define GW_FEATURE_METERING GW_FEATURE_BIT(45)        /* the picture's light is counted */
+#define GW_FEATURE_SPECULAR_MAPS GW_FEATURE_BIT(30)
+#define GW_FEATURE_TRANSMISSION_MAPS GW_FEATURE_BIT(31)
+#define GW_FEATURE_TRANSMISSION GW_FEATURE_BIT(33) /* light passes surfaces and is bent */
+#define GW_FEATURE_ABSORPTION GW_FEATURE_BIT(34)   /* media take some of it on its way */
+#define GW_FEATURE_TONE GW_FEATURE_BIT(40)         /* a curve other than linear */
+#define GW_FEATURE_EXPOSURE GW_FEATURE_BIT(41)     /* light is multiplied before the curve */
+#define GW_FEATURE_DITHER GW_FEATURE_BIT(42)       /* rounding to 8 bits by a pattern */
+#define GW_FEATURE_OCCLUSION GW_FEATURE_BIT(43)    /* what stands near covers light from everywhere */
+#define GW_FEATURE_DIFFUSE GW_FEATURE_BIT(44)      /* what is lit lights what stands near, once */
+#define GW_FEATURE_METERING GW_FEATURE_BIT(45)     /* the picture's light is counted */
 #define GW_ALL_FEATURES UINT64_MAX
 
 /* What makes fragments ask for secondary rays. */
@@ -81,10 +84,14 @@ extern const size_t gw_feature_count;
 #define GW_EXTENSION_FEATURES                                                                                \
     (GW_FEATURE_NORMAL_MAPS | GW_FEATURE_MATERIAL_MAPS | GW_FEATURE_EMISSIVE_MAPS | GW_FEATURE_CLEARCOAT |   \
      GW_FEATURE_SHEEN | GW_FEATURE_SPECULAR | GW_FEATURE_UNLIT | GW_FEATURE_MAP_PLACEMENT |                  \
-     GW_FEATURE_TRANSMISSION)
-/* What reads pictures over the footprint. */
+     GW_FEATURE_TRANSMISSION | GW_FEATURE_LAYER_MAPS | GW_FEATURE_SPECULAR_MAPS |                            \
+     GW_FEATURE_TRANSMISSION_MAPS)
+/* What reads pictures over the footprint, and which of them colours. */
 #define GW_PICTURE_FEATURES                                                                                  \
-    (GW_FEATURE_TEXTURES | GW_FEATURE_NORMAL_MAPS | GW_FEATURE_MATERIAL_MAPS | GW_FEATURE_EMISSIVE_MAPS)
+    (GW_COLOR_PICTURE_FEATURES | GW_FEATURE_NORMAL_MAPS | GW_FEATURE_MATERIAL_MAPS |                         \
+     GW_FEATURE_TRANSMISSION_MAPS)
+#define GW_COLOR_PICTURE_FEATURES                                                                            \
+    (GW_FEATURE_TEXTURES | GW_FEATURE_EMISSIVE_MAPS | GW_FEATURE_LAYER_MAPS | GW_FEATURE_SPECULAR_MAPS)
 
 /* Without these an octree that calls for them cannot be read. */
 #define GW_NEEDED_FEATURES (GW_FEATURE_WIDE_NODES | GW_FEATURE_DENSE_LEAVES)

@@ -11,13 +11,15 @@
 
 _Static_assert(sizeof(gw_gpu_extension) == GW_EXTENSION_ROWS * 16, "rows of an extension");
 
-static const float blackest = 1e30f; /* absorption per length of what lets nothing through */
+static const float most = 1e30f; /* also the absorption per length of what lets nothing through */
 
-/* Reflectance at 0 and 90 degrees as KHR_materials_ior and KHR_materials_specular define them. */
+_Static_assert(GW_EXTENSION_MAP_COUNT == GW_MAP_SHOWN_COUNT - GW_MAP_NORMAL, "maps of an extension");
+
+/* Reflectance as KHR_materials_ior and KHR_materials_specular define it; with maps the shader goes on. */
 static void fill_specular(const gw_material_extension *in, float out[4]) {
     const double step = ((double)in->ior - 1.0) / ((double)in->ior + 1.0);
     for (int i = 0; i < 3; ++i)
-        out[i] = in->specular * fminf((float)(step * step) * in->specular_color[i], 1.0f);
+        out[i] = fminf((float)(step * step) * in->specular_color[i], most);
     out[3] = in->specular;
 }
 
@@ -27,8 +29,8 @@ static void fill_attenuation(const gw_scene *scene, const gw_material_extension 
     for (int i = 0; i < 3; ++i) {
         const double left = in->attenuation_color[i];
         out[i] = !(distance > 0.0) || left >= 1.0 ? 0.0f
-                 : left > 0.0                     ? (float)fmin(-log(left) / distance, (double)blackest)
-                                                  : blackest;
+                 : left > 0.0                     ? (float)fmin(-log(left) / distance, (double)most)
+                                                  : most;
     }
     out[3] = 0.0f;
 }
@@ -40,18 +42,26 @@ static void fill_use(const gw_texture_use *in, float rows[2][4]) {
     }
 }
 
+/* In the order of gw_map. */
+static void fill_maps(const gw_material_extension *in, const gw_texture_set *colors,
+                      const gw_texture_set *data, gw_gpu_extension *out) {
+    gw_material_extension copy = *in;
+    for (int i = 0; i < GW_EXTENSION_MAP_COUNT; ++i) {
+        const gw_map map = (gw_map)(GW_MAP_NORMAL + i);
+        const gw_texture_use *use = gw_texture_use_of(&copy, map);
+        const gw_texture_kind kind = gw_texture_kind_of(map);
+        out->maps[i / 4][i % 4] =
+            gw_texture_word(kind == GW_TEXTURE_COLOR ? colors : data, use->texture, kind);
+        fill_use(use, &out->to_uv[2 * i]);
+    }
+}
+
 static void fill_row(const gw_scene *scene, const gw_material_extension *in, const gw_texture_set *colors,
                      const gw_texture_set *data, gw_gpu_extension *out) {
-    const gw_texture_use *uses[] = {&in->normal, &in->metallic_roughness, &in->occlusion, &in->emissive_map,
-                                    &in->transmission_map};
     const float factors[4] = {in->normal_scale, in->occlusion_strength, in->roughness, in->metalness};
     const float transmission[4] = {in->transmission, in->ior,
                                    (float)ldexp((double)in->thickness, -scene->exponent), 0};
-    out->maps[0] = gw_texture_word(data, in->normal.texture, GW_TEXTURE_NORMAL);
-    out->maps[1] = gw_texture_word(data, in->metallic_roughness.texture, GW_TEXTURE_DATA);
-    out->maps[2] = gw_texture_word(data, in->occlusion.texture, GW_TEXTURE_DATA);
-    out->maps[3] = gw_texture_word(colors, in->emissive_map.texture, GW_TEXTURE_COLOR);
-    out->more_maps[0] = gw_texture_word(data, in->transmission_map.texture, GW_TEXTURE_DATA);
+    fill_maps(in, colors, data, out);
     memcpy(out->factors, factors, sizeof factors);
     memcpy(out->emissive, in->emissive, sizeof in->emissive);
     out->emissive[3] = (float)in->unlit;
@@ -60,10 +70,9 @@ static void fill_row(const gw_scene *scene, const gw_material_extension *in, con
     fill_attenuation(scene, in, out->attenuation);
     out->coat[0] = in->clearcoat;
     out->coat[1] = in->clearcoat_roughness;
+    out->coat[2] = in->clearcoat_normal_scale;
     memcpy(out->sheen, in->sheen_color, sizeof in->sheen_color);
     out->sheen[3] = in->sheen_roughness;
-    for (int i = 0; i < 5; ++i)
-        fill_use(uses[i], &out->to_uv[2 * i]);
 }
 
 gw_code gw_material_rows_upload(gw_gl *device, const gw_scene *scene, const gw_texture_set *colors,

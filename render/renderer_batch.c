@@ -36,8 +36,7 @@ gw_code gw_frame_kernels(gw_frame_job *job, int resume, gw_error *error) {
     gw_code code = gw_renderer_kernel(job->renderer, "trace/primary.comp", &trace, NULL, &job->trace, error);
     if (!code)
         code = gw_renderer_kernel(job->renderer, "shade/shade.comp", &shade, NULL, &job->shade, error);
-    if (!code && (job->key.features & (GW_FEATURE_TEXTURES | GW_FEATURE_EMISSIVE_MAPS)) &&
-        job->key.texture_classes > 0) {
+    if (!code && (job->key.features & GW_COLOR_PICTURE_FEATURES) && job->key.texture_classes > 0) {
         const uint32_t *side = job->renderer->buffers.textures.side;
         glProgramUniform4f(job->shade, 1, (float)side[0], (float)side[1], (float)side[2], (float)side[3]);
     }

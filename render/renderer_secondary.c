@@ -34,7 +34,8 @@ uint64_t gw_secondary_ray_bytes(uint32_t fragments, uint32_t cones) {
 static gw_kernel_key key_of(const gw_frame_job *job) {
     const gw_features features = GW_SECONDARY_FEATURES | GW_FEATURE_LOD | GW_FEATURE_GAZE |
                                  GW_FEATURE_SPARSE | GW_FEATURE_SMOOTH_NORMALS | GW_FEATURE_NORMAL_MAPS |
-                                 GW_FEATURE_MAP_PLACEMENT | GW_FEATURE_SQUARE_TEXELS;
+                                 GW_FEATURE_MAP_PLACEMENT | GW_FEATURE_SQUARE_TEXELS |
+                                 GW_FEATURE_TRANSMISSION_MAPS;
     return (gw_kernel_key){.features = job->key.features & features,
                            .depth = job->key.depth,
                            .data_classes = job->key.data_classes,

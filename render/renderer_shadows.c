@@ -99,7 +99,8 @@ static gw_code trace_batch(gw_frame_job *job, uint32_t begin, uint32_t count, gw
     const gw_features features = GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_SPARSE | GW_FEATURE_ALPHA |
                                  GW_FEATURE_TEXTURES | GW_FEATURE_VERTEX_COLORS | GW_FEATURE_WIDE_NODES |
                                  GW_FEATURE_TRANSMISSION | GW_FEATURE_DENSE_LEAVES | GW_FEATURE_SPOT_LIGHTS |
-                                 GW_FEATURE_AREA_LIGHTS | GW_FEATURE_EMISSIVE_LIGHTS;
+                                 GW_FEATURE_AREA_LIGHTS | GW_FEATURE_EMISSIVE_LIGHTS |
+                                 GW_FEATURE_TRANSMISSION_MAPS | GW_FEATURE_MAP_PLACEMENT;
     gw_renderer *renderer = job->renderer;
     gw_shadow_buffers *shadows = job->shadows;
     gw_code code = GW_OK;

@@ -38,17 +38,15 @@ static void want(texture_plan *plan, const gw_scene *scene, int32_t texture, int
 
 static void want_of_material(texture_plan *plan, const gw_scene *scene, uint32_t material,
                              gw_texture_kind kind, uint32_t limit) {
-    const gw_material_extension *extension = scene->extensions ? &scene->extensions[material] : NULL;
+    gw_material_extension *extension = scene->extensions ? &scene->extensions[material] : NULL;
     if (kind == GW_TEXTURE_COLOR)
         want(plan, scene, scene->materials[material].base_color_texture, 0, limit);
-    if (extension && kind == GW_TEXTURE_COLOR)
-        want(plan, scene, extension->emissive_map.texture, 0, limit);
-    if (!extension || kind == GW_TEXTURE_COLOR)
-        return;
-    want(plan, scene, extension->metallic_roughness.texture, 0, limit);
-    want(plan, scene, extension->occlusion.texture, 0, limit);
-    want(plan, scene, extension->transmission_map.texture, 0, limit);
-    want(plan, scene, extension->normal.texture, 1, limit);
+    for (int map = GW_MAP_NORMAL; extension && map < GW_MAP_SHOWN_COUNT; ++map) {
+        const gw_texture_kind of_map = gw_texture_kind_of((gw_map)map);
+        if ((of_map == GW_TEXTURE_COLOR) == (kind == GW_TEXTURE_COLOR))
+            want(plan, scene, gw_texture_use_of(extension, (gw_map)map)->texture, of_map == GW_TEXTURE_NORMAL,
+                 limit);
+    }
 }
 
 static gw_code plan_init(texture_plan *plan, const gw_scene *scene, gw_texture_kind kind, uint32_t side_limit,
@@ -252,6 +250,14 @@ gw_code gw_texture_set_init(gw_gl *device, const gw_scene *scene, gw_texture_kin
     if (code)
         gw_texture_set_finish(out);
     return code;
+}
+
+gw_texture_kind gw_texture_kind_of(gw_map map) {
+    if (map == GW_MAP_NORMAL || map == GW_MAP_CLEARCOAT_NORMAL)
+        return GW_TEXTURE_NORMAL;
+    const int color = map == GW_MAP_BASE_COLOR || map == GW_MAP_EMISSIVE || map == GW_MAP_SHEEN_COLOR ||
+                      map == GW_MAP_SPECULAR_COLOR;
+    return color ? GW_TEXTURE_COLOR : GW_TEXTURE_DATA;
 }
 
 uint32_t gw_texture_word(const gw_texture_set *set, int32_t texture, gw_texture_kind kind) {

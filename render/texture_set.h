@@ -34,6 +34,8 @@ typedef struct gw_texture_set {
  * driver's limits or memory do not suffice. */
 gw_code gw_texture_set_init(gw_gl *device, const gw_scene *scene, gw_texture_kind kind, gw_texture_set *out,
                             gw_error *error);
+/* As which kind a material's map is read. */
+gw_texture_kind gw_texture_kind_of(gw_map map);
 /* The word of a texture (-1: none) that is used as this kind. */
 uint32_t gw_texture_word(const gw_texture_set *set, int32_t texture, gw_texture_kind kind);
 void gw_texture_set_finish(gw_texture_set *set);

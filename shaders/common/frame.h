@@ -66,28 +66,28 @@ GW_STRUCT_END(gw_gpu_material)
 // What a material has beyond gw_gpu_material, GW_EXTENSION_ROWS texels of a buffer texture that exists only for scenes in which some
 // material has anything, or where an effect that reads it is forced in. Same number as the material.
 GW_STRUCT_BEGIN(gw_gpu_extension)
-GW_UVEC4(maps);        // texture words of the normal, metallic-roughness, occlusion and emissive maps, or GW_NO_TEXTURE
-GW_UVEC4(more_maps);   // of the transmission map; 0, 0, 0
+GW_UVEC4(maps[3]);     // texture words, or GW_NO_TEXTURE: normal, metallic-roughness, occlusion, emissive; transmission, clearcoat,
+                       // its roughness, its normal; sheen colour, sheen roughness, specular, specular colour
 GW_VEC4(factors);      // normal scale, occlusion strength; where there is a metallic-roughness map: roughness, metalness
 GW_VEC4(emissive);     // linear radiance where there is an emissive map; w: 1 for unlit
-GW_VEC4(specular);     // reflectance of its dielectric part at 0 degrees; w: at 90 degrees
+GW_VEC4(specular);     // reflectance of its dielectric part at 0 degrees before `specular`, may be over 1; w: specular, that at 90
 GW_VEC4(transmission); // transmission, index of refraction, thickness (rebased), 0
 GW_VEC4(attenuation);  // absorption per rebased unit of length inside, 1e30 for black; w: 0
-GW_VEC4(coat);         // clearcoat, its roughness, 0, 0
+GW_VEC4(coat);         // clearcoat, its roughness, scale of its normal map, 0
 GW_VEC4(sheen);        // sheen colour; w: its roughness
-GW_VEC4(to_uv[10]);    // of the five maps in this order, two rows each: uv of the picture is the row times (u, v, 1); w: set of u, v
+GW_VEC4(to_uv[24]);    // of the twelve maps in this order, two rows each: uv of the picture is the row times (u, v, 1); w: set of u, v
 GW_STRUCT_END(gw_gpu_extension)
-#define GW_EXTENSION_ROWS 19
+#define GW_EXTENSION_MAP_COUNT 12
+#define GW_EXTENSION_ROWS 34
 #define GW_EXTENSION_MAPS 0
-#define GW_EXTENSION_MORE_MAPS 1
-#define GW_EXTENSION_FACTORS 2
-#define GW_EXTENSION_EMISSIVE 3
-#define GW_EXTENSION_SPECULAR 4
-#define GW_EXTENSION_TRANSMISSION 5
-#define GW_EXTENSION_ATTENUATION 6
-#define GW_EXTENSION_COAT 7
-#define GW_EXTENSION_SHEEN 8
-#define GW_EXTENSION_TO_UV 9
+#define GW_EXTENSION_FACTORS 3
+#define GW_EXTENSION_EMISSIVE 4
+#define GW_EXTENSION_SPECULAR 5
+#define GW_EXTENSION_TRANSMISSION 6
+#define GW_EXTENSION_ATTENUATION 7
+#define GW_EXTENSION_COAT 8
+#define GW_EXTENSION_SHEEN 9
+#define GW_EXTENSION_TO_UV 10
 // A material's texture word: class (bits 0-3), layer (4-19), wrap of u (20-21) and v (22-23) as gw_wrap, shown as squares (24).
 #define GW_TEXTURE_CLASS(word) ((word) & 0xfu)
 #define GW_TEXTURE_LAYER(word) (((word) >> 4) & 0xffffu)

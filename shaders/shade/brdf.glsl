@@ -20,6 +20,9 @@ struct Surface {
 #ifdef MATERIAL_MAPS
     float occlusion; // share of the light from everywhere that arrives
 #endif
+#ifdef TRANSMISSION_MAPS
+    float passing;   // share of the material's transmission that is there
+#endif
 #ifdef SPECULAR
     vec4 dielectric; // reflectance at 0 degrees, and at 90, of what is no metal
 #endif
@@ -118,6 +121,28 @@ float occlusion_of(Surface surface) {
 #else
     return 1.0;
 #endif
+}
+
+float passing_of(Surface surface) {
+#ifdef TRANSMISSION_MAPS
+    return surface.passing;
+#else
+    return 1.0;
+#endif
+}
+
+// Normals that one footprint or voxel mixes widen its highlight. length_of: of their mean; spread: (1 - length) / length, as Toksvig
+// (Mipmapping Normal Maps, 2005) adds it to 1 / s of Phong's exponent s = 2 / alpha^2 - 2.
+float spread_of(float length_of) {
+    precise float spread = (1.0 - length_of) / max(length_of, 1e-3);
+    return spread;
+}
+
+float widened_roughness(float roughness, float spread) {
+    precise float squared = roughness * roughness * roughness * roughness; // alpha^2
+    precise float more = 2.0 * max(spread, 0.0) * (1.0 - squared);
+    precise float widened = (squared + more) / (1.0 + more);
+    return spread <= 0.0 ? roughness : sqrt(sqrt(widened));
 }
 
 float lit_of(Surface surface) {

@@ -77,9 +77,10 @@ vec4 sample_data(uint word, vec2 uv, float footprint, float density) {
     return word == GW_NO_TEXTURE ? vec4(1.0) : result;
 }
 
-#ifdef NORMAL_MAPS
+#if defined(NORMAL_MAPS) || defined(LAYER_MAPS)
 // The shading normal bent by a map, tangent space from the triangle's own texture coordinates: u along the tangent, up in the
-// picture (against v) along the other. w: what the mean over the footprint has lost of its length. front: 1 or -1, of the side that
+// picture (against v) along the other. w: how the footprint's normals
+// spread, as widened_roughness() takes it. front: 1 or -1, of the side that
 // is seen; normal is on that side.
 vec4 mapped_normal(vec3 normal, float front, vec4 texel, float scale, Texcoords at, vec3 ab, vec3 ac) {
     precise float turn = at.to_b.x * at.to_c.y - at.to_b.y * at.to_c.x;
@@ -91,10 +92,14 @@ vec4 mapped_normal(vec3 normal, float front, vec4 texel, float scale, Texcoords 
     precise vec3 upward = cross(normal, tangent) * (turn < 0.0 ? front : -front);
     // On a back side the normal is turned round, tangents are not: what the map bends is turned as a whole.
     precise vec2 bend = (texel.xy * 2.0 - 1.0) * (scale * front);
+#ifdef FLIPPED_GREEN
+    bend.y = -bend.y; // the naive variant, for the test that shows why
+#endif
     precise vec3 bent = tangent * bend.x + upward * bend.y + normal * max(texel.z * 2.0 - 1.0, 1e-3);
     float length_of = length_precise(bent);
-    precise float lost = (1.0 - texel.w) * (1.0 - texel.w) * min(scale * scale, 1.0);
+    precise float lost = (1.0 - texel.w) * (1.0 - texel.w);
+    precise float spread = spread_of(1.0 - lost) * (scale * scale);
     bool none = size <= 1e-30 || turn == 0.0;
-    return none ? vec4(normal, 0.0) : vec4(bent / length_of, lost);
+    return none ? vec4(normal, 0.0) : vec4(bent / length_of, spread);
 }
 #endif

@@ -57,7 +57,7 @@ uint kinds_asked(Pixel_ray ray, uint id, float t, float weight, uvec2 media) {
     uint kinds = 0u;
     bool voxel = (id & GW_FRAGMENT_VOXEL) != 0u;
     Surface surface = surface_of_triangle(voxel ? 0u : id, t, ray.origin, ray.direction, footprint_at(ray, t));
-    Optics optics = optics_of(id, ray.direction / length_precise(ray.direction), surface.normal, surface.metalness, media);
+    Optics optics = optics_of(id, ray.direction / length_precise(ray.direction), surface.normal, surface.metalness, passing_of(surface), media);
     float throughput = throughput_of(ray, weight);
     bool counts = optics.sheer && !optics.passed;
     kinds |= counts && worth_asking(ray, throughput * optics.reflectance) ? GW_RAY_REFLECTED : 0u;

@@ -12,7 +12,7 @@ struct Met {
     Secondary_start start;
     vec3 normal; // shading normal, unit, on the ray's side
     vec3 color;  // base colour, as far as the kernel reads it
-    float metalness;
+    float metalness, passing;
 };
 
 struct Secondary_ray {
@@ -45,6 +45,7 @@ Met met_by(Pixel_ray ray, uint id, float t) {
     met.normal = met.voxel ? met.start.normal : surface.normal;
     met.color = met.voxel ? vec3(1.0) : surface.base_color;
     met.metalness = surface.metalness;
+    met.passing = passing_of(surface);
     return met;
 }
 

@@ -2,6 +2,7 @@
 //
 // variants: OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 SMOOTH_NORMALS=1; OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 LOD=1 GAZE=1 SPARSE=1 SMOOTH_NORMALS=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 REFLECTED=1 LOD=1 FRAGMENTS=8u; OCTREE_DEPTH=11 SECONDARY=1 TRANSMISSION=1
+// variants: OCTREE_DEPTH=11 SECONDARY=1 TRANSMISSION=1 TRANSMISSION_MAPS=1 DATA_CLASSES=1
 // variants: OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 TRANSMISSION=1 REFLECTED=1 LOD=1 SMOOTH_NORMALS=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 TRANSMISSION=1 CONES=1 OCCLUSION=1 DIFFUSE=1 LOD=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 SECONDARY=1 TRANSMISSION=1 CONES=1 OCCLUSION=1; OCTREE_DEPTH=11 SECONDARY=1 CONES=1 OCCLUSION=1 LOD=1 SMOOTH_NORMALS=1 FRAGMENTS=8u; OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 CONES=1 OCCLUSION=1 DIFFUSE=1 LOD=1 GAZE=1 SPARSE=1 FRAGMENTS=8u
@@ -53,7 +54,7 @@ void main() {
     Secondary_ray next = reflected_ray(met);
 #ifdef TRANSMISSION
     uvec2 media = media_of[fragment / FRAGMENTS];
-    Optics optics = optics_of(met.id, met.direction, met.normal, met.metalness, media);
+    Optics optics = optics_of(met.id, met.direction, met.normal, met.metalness, met.passing, media);
     Secondary_ray through = refracted_ray(met, optics, tint_of(optics, met.color));
     bool refracts = optics.sheer && (GW_REQUEST_WHICH(request) == 1u || (GW_ASKED_KINDS(asked_of[fragment]) & GW_RAY_REFLECTED) == 0u);
     next.media = media;

@@ -2,7 +2,8 @@
 #include "common/color.glsl"
 #include "common/payload.glsl"
 #include "shade/brdf.glsl"
-#if defined(NORMAL_MAPS) || defined(MATERIAL_MAPS) || defined(EMISSIVE_MAPS)
+#if defined(NORMAL_MAPS) || defined(MATERIAL_MAPS) || defined(EMISSIVE_MAPS) || defined(LAYER_MAPS) || defined(SPECULAR_MAPS) || \
+    defined(TRANSMISSION_MAPS)
 #define MAPS 1
 #endif
 #if defined(TEXTURES) || defined(MAPS)
@@ -61,6 +62,14 @@ Corner_weights weights_at(uint triangle, float t, vec3 origin, vec3 direction) {
 }
 
 #ifdef MAPS
+vec4 data_map(uint word, Texcoords at, float width, float doubled_area) {
+    return sample_data(word, at.at, width, density_of(at, doubled_area));
+}
+
+vec4 color_map(uint word, Texcoords at, float width, float doubled_area) {
+    return sample_texture(word, at.at, width, density_of(at, doubled_area));
+}
+
 // Changes what the material's maps say. Materials without a map keep their bits.
 void apply_maps(inout Surface surface, uint triangle, uvec4 face, Corner_weights corner, vec3 direction, float footprint,
                 uvec4 va, uvec4 vb, uvec4 vc) {
@@ -69,36 +78,61 @@ void apply_maps(inout Surface surface, uint triangle, uvec4 face, Corner_weights
     Texcoords second = second_of(face, corner.weights);
 #endif
     uvec4 words = floatBitsToUint(extension_row(face.w, GW_EXTENSION_MAPS));
+#if defined(LAYER_MAPS) || defined(TRANSMISSION_MAPS)
+    uvec4 more = floatBitsToUint(extension_row(face.w, GW_EXTENSION_MAPS + 1));
+#endif
+#if defined(LAYER_MAPS) || defined(SPECULAR_MAPS)
+    uvec4 last = floatBitsToUint(extension_row(face.w, GW_EXTENSION_MAPS + 2));
+#endif
+    float area = corner.doubled_area;
     float facing = max(abs(dot(corner.normal, normalize(direction))), 1.0 / 16.0);
     float width = footprint * inversesqrt(facing);
 #if defined(NORMAL_MAPS) || defined(MATERIAL_MAPS)
     vec4 factors = extension_row(face.w, GW_EXTENSION_FACTORS);
 #endif
+#if defined(NORMAL_MAPS) || defined(LAYER_MAPS)
+    vec3 a = uintBitsToFloat(TRIANGLE(triangle, 0).xyz);
+    precise vec3 ab = uintBitsToFloat(TRIANGLE(triangle, 1).xyz) - a, ac = uintBitsToFloat(TRIANGLE(triangle, 2).xyz) - a;
+    float front = dot(cross(ab, ac), corner.normal) < 0.0 ? -1.0 : 1.0;
+#endif
 #ifdef MATERIAL_MAPS
-    Texcoords finish_at = PLACED(1), occlusion_at = PLACED(2);
-    vec4 finish = sample_data(words.y, finish_at.at, width, density_of(finish_at, corner.doubled_area));
+    vec4 finish = data_map(words.y, PLACED(1), width, area);
     surface.metalness = words.y == GW_NO_TEXTURE ? surface.metalness : factors.w * finish.z;
     surface.roughness = words.y == GW_NO_TEXTURE ? surface.roughness : factors.z * finish.y;
-    float seen = sample_data(words.z, occlusion_at.at, width, density_of(occlusion_at, corner.doubled_area)).x;
+    float seen = data_map(words.z, PLACED(2), width, area).x;
     precise float open = 1.0 + factors.y * (seen - 1.0);
     surface.occlusion = words.z == GW_NO_TEXTURE ? 1.0 : open;
 #endif
 #ifdef NORMAL_MAPS
     Texcoords normal_at = PLACED(0);
-    vec4 texel = sample_data(words.x, normal_at.at, width, density_of(normal_at, corner.doubled_area));
-    vec3 a = uintBitsToFloat(TRIANGLE(triangle, 0).xyz);
-    precise vec3 ab = uintBitsToFloat(TRIANGLE(triangle, 1).xyz) - a, ac = uintBitsToFloat(TRIANGLE(triangle, 2).xyz) - a;
-    float front = dot(cross(ab, ac), corner.normal) < 0.0 ? -1.0 : 1.0;
+    vec4 texel = data_map(words.x, normal_at, width, area);
     vec4 bent = mapped_normal(surface.normal, front, texel, factors.x, normal_at, ab, ac);
     surface.normal = words.x == GW_NO_TEXTURE ? surface.normal : bent.xyz;
-    // Normals that the footprint mixes widen the highlight, as those of a voxel do.
-    precise float widened = surface.roughness * surface.roughness + 0.5 * bent.w;
-    surface.roughness = words.x == GW_NO_TEXTURE || bent.w <= 0.0 ? surface.roughness : sqrt(min(widened, 1.0));
+    surface.roughness = words.x == GW_NO_TEXTURE ? surface.roughness : widened_roughness(surface.roughness, bent.w);
 #endif
 #ifdef EMISSIVE_MAPS
-    Texcoords glow_at = PLACED(3);
-    vec4 glow = sample_texture(words.w, glow_at.at, width, density_of(glow_at, corner.doubled_area));
+    vec4 glow = color_map(words.w, PLACED(3), width, area);
     surface.emissive = words.w == GW_NO_TEXTURE ? surface.emissive : extension_row(face.w, GW_EXTENSION_EMISSIVE).rgb * glow.rgb;
+#endif
+#ifdef TRANSMISSION_MAPS
+    surface.passing = data_map(more.x, PLACED(4), width, area).x;
+#endif
+#if defined(LAYER_MAPS) && defined(CLEARCOAT)
+    surface.coat *= data_map(more.y, PLACED(5), width, area).x;
+    surface.coat_roughness *= data_map(more.z, PLACED(6), width, area).y;
+    Texcoords coat_at = PLACED(7);
+    float coat_scale = extension_row(face.w, GW_EXTENSION_COAT).z;
+    vec4 coat = mapped_normal(surface.coat_normal, front, data_map(more.w, coat_at, width, area), coat_scale, coat_at, ab, ac);
+    surface.coat_normal = more.w == GW_NO_TEXTURE ? surface.coat_normal : coat.xyz;
+    surface.coat_roughness = more.w == GW_NO_TEXTURE ? surface.coat_roughness : widened_roughness(surface.coat_roughness, coat.w);
+#endif
+#if defined(LAYER_MAPS) && defined(SHEEN)
+    surface.sheen *= color_map(last.x, PLACED(8), width, area).rgb;
+    surface.sheen_roughness *= data_map(last.y, PLACED(9), width, area).x;
+#endif
+#if defined(SPECULAR_MAPS) && defined(SPECULAR)
+    surface.dielectric.a *= data_map(last.z, PLACED(10), width, area).x;
+    surface.dielectric.rgb *= color_map(last.w, PLACED(11), width, area).rgb;
 #endif
 }
 #endif
@@ -149,8 +183,11 @@ Surface surface_of_triangle(uint triangle, float t, vec3 origin, vec3 direction,
 #ifdef MATERIAL_MAPS
     surface.occlusion = 1.0;
 #endif
+#ifdef TRANSMISSION_MAPS
+    surface.passing = 1.0;
+#endif
 #ifdef SPECULAR
-    surface.dielectric = extension_row(face.w, GW_EXTENSION_SPECULAR);
+    surface.dielectric = extension_row(face.w, GW_EXTENSION_SPECULAR); // whole below, after its maps
 #endif
 #ifdef CLEARCOAT
     vec4 coat = extension_row(face.w, GW_EXTENSION_COAT);
@@ -167,6 +204,10 @@ Surface surface_of_triangle(uint triangle, float t, vec3 origin, vec3 direction,
 #endif
 #ifdef MAPS
     apply_maps(surface, triangle, face, corner, direction, footprint, va, vb, vc);
+#endif
+#ifdef SPECULAR
+    precise vec3 dielectric = min(surface.dielectric.rgb, vec3(1.0)) * surface.dielectric.a;
+    surface.dielectric.rgb = dielectric;
 #endif
 #ifdef UNLIT
     bool unlit = extension_row(face.w, GW_EXTENSION_EMISSIVE).w > 0.5;
@@ -205,9 +246,8 @@ Surface surface_of_voxel(uint node, float t, vec3 origin, vec3 direction) {
                                      (1.0 / 1023.0));
     surface.agreement = payload_agreement(payload);
     surface.metalness = float(GW_PAYLOAD_METALNESS_CODE(payload.z)) * (1.0 / 63.0);
-    // Normals that disagree widen the highlight as roughness does (after Toksvig 2005).
     float roughness = float(GW_PAYLOAD_ROUGHNESS_CODE(payload.z)) * (1.0 / 63.0);
-    surface.roughness = sqrt(min(roughness * roughness + 0.5 * (1.0 - surface.agreement), 1.0));
+    surface.roughness = widened_roughness(roughness, spread_of(surface.agreement));
     surface.emissive = vec3(0.0);
 #ifdef VOXEL_EMISSION
     surface.emissive = emission_of_voxel(node);
@@ -216,6 +256,9 @@ Surface surface_of_voxel(uint node, float t, vec3 origin, vec3 direction) {
     surface.albedo = vec2(1.0, 0.0);
 #ifdef MATERIAL_MAPS
     surface.occlusion = 1.0;
+#endif
+#ifdef TRANSMISSION_MAPS
+    surface.passing = 1.0;
 #endif
 #ifdef SPECULAR
     surface.dielectric = vec4(0.04, 0.04, 0.04, 1.0);

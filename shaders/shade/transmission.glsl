@@ -39,8 +39,8 @@ bool meets_back(uint triangle, vec3 direction) {
     return along > 0.0;
 }
 
-// direction: of the ray, unit; normal: shading normal on its side; media: that the ray is in.
-Optics optics_of(uint id, vec3 direction, vec3 normal, float metalness, uvec2 media) {
+// direction: of the ray, unit; normal: shading normal on its side; passing: of the surface; media: that the ray is in.
+Optics optics_of(uint id, vec3 direction, vec3 normal, float metalness, float passing, uvec2 media) {
     bool voxel = (id & GW_FRAGMENT_VOXEL) != 0u;
     uint triangle = voxel ? 0u : id;
     uint material = texelFetch(faces, int(triangle)).w;
@@ -55,7 +55,7 @@ Optics optics_of(uint id, vec3 direction, vec3 normal, float metalness, uvec2 me
     optics.beyond = boundary ? beyond : media;
     optics.boundary = boundary;
     optics.passed = boundary && innermost_medium(beyond) == innermost_medium(media);
-    optics.share = optics.sheer ? row.x * (1.0 - metalness) : 0.0;
+    optics.share = optics.sheer ? row.x * passing * (1.0 - metalness) : 0.0;
     precise float eta = index_of_medium(innermost_medium(media)) /
                         (boundary ? index_of_medium(innermost_medium(beyond)) : max(row.y, 1.0));
     float cosine_beyond;
@@ -76,7 +76,7 @@ float straight_through(uint triangle, Surface surface, vec3 direction) {
     float cosine_beyond;
     float cosine = clamp(abs(dot(surface.normal, normalize(direction))), 1e-4, 1.0);
     precise float through = (1.0 - fresnel_dielectric(1.0 / max(row.y, 1.0), cosine, cosine_beyond)) * row.x *
-                            (1.0 - surface.metalness);
+                            (1.0 - surface.metalness) * passing_of(surface);
     vec3 color = surface.base_color;
 #ifdef ABSORPTION
     precise vec3 depth = extension_row(material, GW_EXTENSION_ATTENUATION).rgb * (0.5 * row.z);

@@ -11,8 +11,9 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Roughness, cosine to the view, metalness, reflectance at 0 degrees, layers: as the kernel counts them. */
-enum { ROUGHNESSES = 5, COSINES = 5, METALS = 3, REFLECTANCES = 3, LAYERS = 5 };
+/* Roughness, cosine to the view, metalness, reflectance at 0 degrees, layers (the last a coat whose own map
+ * bends its normal): as the kernel counts them. */
+enum { ROUGHNESSES = 5, COSINES = 5, METALS = 3, REFLECTANCES = 3, LAYERS = 6 };
 enum { CASES = ROUGHNESSES * COSINES * METALS * REFLECTANCES * LAYERS };
 
 /* Lights are drawn by the highlight's, the coat's and the cosine's own distribution in turn and weighted by
@@ -29,7 +30,7 @@ static const char kernel[] =
     "const uint DRAWS = 6000u;\n"
     "float density_of_normal(float roughness, float n_h, float v_h) {\n"
     "    float a = max(roughness * roughness, LEAST_ALPHA), a2 = a * a, s = n_h * n_h * (a2 - 1.0) + 1.0;\n"
-    "    return a2 * INVERSE_PI / (s * s) * n_h / max(4.0 * v_h, 1e-6);\n"
+    "    return a2 * INVERSE_PI / (s * s) * max(n_h, 0.0) / max(4.0 * v_h, 1e-6);\n"
     "}\n"
     "void main() {\n"
     "    uint i = gl_WorkGroupID.x * 25u + gl_LocalInvocationIndex, k = i;\n"
@@ -44,7 +45,8 @@ static const char kernel[] =
     "    s.dielectric = vec4(vec3(reflectances[k % 3u]), 1.0); k /= 3u;\n"
     "    if (k == 1u || k == 4u) s.coat = 1.0;\n"
     "    if (k == 2u) { s.coat = 1.0; s.coat_roughness = 0.6; }\n"
-    "    if (k >= 3u) s.sheen = vec3(1.0, 0.5, 1.0);\n"
+    "    if (k == 5u) { s.coat = 1.0; s.coat_roughness = 0.3; s.coat_normal = vec3(0.6, 0.0, 0.8); }\n"
+    "    if (k == 3u || k == 4u) s.sheen = vec3(1.0, 0.5, 1.0);\n"
     "    if (k == 4u) s.sheen_roughness = 0.25;\n"
     "    vec3 view = vec3(sqrt(1.0 - c * c), 0.0, c);\n"
     "    see_surface(s, view);\n"
@@ -59,13 +61,17 @@ static const char kernel[] =
     "        float z = which == 2u ? sqrt(1.0 - u) : sqrt((1.0 - u) / (1.0 + (a * a - 1.0) * u));\n"
     "        float r = sqrt(max(1.0 - z * z, 0.0));\n"
     "        vec3 drawn = vec3(r * cos(angle), r * sin(angle), z);\n"
+    "        vec3 c_n = s.coat_normal;\n"
+    "        vec3 side = vec3(c_n.z, 0.0, -c_n.x);\n"
+    "        if (which == 1u) drawn = drawn.x * side + drawn.y * vec3(0, 1, 0) + drawn.z * c_n;\n"
+    "        if (dot(view, drawn) <= 0.0 && which != 2u) continue;\n"
     "        vec3 light = which == 2u ? drawn : 2.0 * dot(view, drawn) * drawn - view;\n"
-    "        if (light.z <= 0.0) continue;\n"
+    "        if (light.z <= 0.0 && dot(light, c_n) <= 0.0) continue;\n"
     "        vec3 h = normalize(view + light);\n"
     "        float v_h = dot(view, h);\n"
     "        float density = (density_of_normal(s.roughness, h.z, v_h) + density_of_normal(s.coat_roughness, "
-    "h.z, v_h) +\n"
-    "                         light.z * INVERSE_PI) / 3.0;\n"
+    "dot(h, c_n), v_h) +\n"
+    "                         max(light.z, 0.0) * INVERSE_PI) / 3.0;\n"
     "        sum += reflect_light(s, view, light, vec3(1), 1.0).r / density;\n"
     "    }\n"
     "    results[i] = vec2(white, sum / float(DRAWS));\n"

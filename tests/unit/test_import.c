@@ -24,13 +24,6 @@ static gw_scene *import(const char *path) {
     return scene;
 }
 
-static int has_note(const gw_scene *scene, const char *part) {
-    for (size_t i = 0; i < scene->note_count; i++)
-        if (strstr(scene->notes[i], part))
-            return 1;
-    return 0;
-}
-
 static int near(double a, double b) {
     return fabs(a - b) < 1e-5;
 }
@@ -41,6 +34,13 @@ static void position(const gw_scene *scene, uint32_t vertex, double out[3]) {
 }
 
 /* --- formats --- */
+
+static int has_note(const gw_scene *scene, const char *part) {
+    for (size_t i = 0; i < scene->note_count; i++)
+        if (strstr(scene->notes[i], part))
+            return 1;
+    return 0;
+}
 
 static void all_formats_give_the_same_tetrahedron(void **state) {
     (void)state;
@@ -107,6 +107,78 @@ static void mtl_keys_are_carried(void **state) {
     assert_int_equal(image->width, 8);
     assert_int_equal(image->rgba[3], 255); /* map_d is white on the left, black on the right */
     assert_int_equal(image->rgba[7 * 4 + 3], 0);
+    gw_scene_destroy(&scene);
+}
+
+/* A triangle for each material "m0", "m1", ... of the text. */
+static gw_scene *import_mtl(const char *mtl, int materials) {
+    char path[512], from[600], obj[2048];
+    int used = snprintf(obj, sizeof obj, "mtllib keys.mtl\nvt 0 0\nvt 1 0\nvt 0 1\n");
+    for (int i = 0; i < materials; i++)
+        used += snprintf(obj + used, sizeof obj - (size_t)used,
+                         "v %d 0 0\nv %d.5 0 0\nv %d 1 0\nusemtl m%d\nf %d/1 %d/2 %d/3\n", i, i, i, i,
+                         3 * i + 1, 3 * i + 2, 3 * i + 3);
+    const char *names[] = {"checker.png", "mask.png"};
+    for (int i = 0; i < 2; i++) {
+        gw_bytes bytes = {0};
+        snprintf(from, sizeof from, "tests/data/%s", names[i]);
+        check_ok(gw_file_read(from, 1 << 20, &bytes, &error));
+        check_ok(gw_file_write(scratch_path(path, names[i]), bytes.data, bytes.size, &error));
+        gw_bytes_finish(&bytes);
+    }
+    check_ok(gw_file_write(scratch_path(path, "keys.mtl"), mtl, strlen(mtl), &error));
+    check_ok(gw_file_write(scratch_path(path, "keys.obj"), obj, strlen(obj), &error));
+    return import(path);
+}
+
+static uint32_t number_of(const gw_scene *scene, const char *name) {
+    return (uint32_t)(material_named(scene, name) - scene->materials);
+}
+
+/* mask.png is white on the left, black on the right; checker.png is coloured. */
+static void mtl_maps_and_models_are_carried(void **state) {
+    (void)state;
+    gw_scene *scene =
+        import_mtl("newmtl m0\nKs 1 1 1\nNs 98\nillum 2\nmap_Ks checker.png\nmap_Ns -s 2 2 1 mask.png\n"
+                   "newmtl m1\nPm 0.5\nillum 3\nmap_Pr mask.png\n"
+                   "newmtl m2\nKd 0 0 0\nTf 1 0.5 0\nNi 1.5\nd 0.25\nillum 7\n"
+                   "newmtl m3\nillum 0\n"
+                   "newmtl m4\nKs 1 1 1\nNs 98\nd 0.5\nTf 1 0.5 0\nillum 1\nmap_Ks mask.png\n"
+                   "newmtl m5\nillum 10\ndisp mask.png\n",
+                   6);
+    const gw_material_extension *shiny = &scene->extensions[number_of(scene, "m0")];
+    assert_true(shiny->specular_color_map.texture >= 0 && shiny->metallic_roughness.texture >= 0);
+    const gw_image *finish = &scene->textures[shiny->metallic_roughness.texture].image;
+    assert_int_equal(finish->rgba[1], lround(255.0 * pow(2.0 / 100.0, 0.25)));
+    assert_int_equal(finish->rgba[7 * 4 + 1], 255); /* an exponent of 0 */
+    assert_true(shiny->roughness == 1.0f && shiny->metalness == 0.0f);
+    const uint32_t metal = number_of(scene, "m1");
+    finish = &scene->textures[scene->extensions[metal].metallic_roughness.texture].image;
+    assert_int_equal(finish->rgba[1], 255);
+    assert_int_equal(finish->rgba[7 * 4 + 1], 0);
+    assert_true(scene->extensions[metal].metalness == 0.5f &&
+                near((double)scene->materials[metal].roughness, 0.5));
+    const uint32_t glass = number_of(scene, "m2");
+    assert_true(scene->extensions[glass].transmission == 0.75f && scene->extensions[glass].thickness > 0.0f);
+    assert_true(scene->materials[glass].alpha_mode == GW_ALPHA_OPAQUE &&
+                near((double)scene->materials[glass].base_color[1], 0.375));
+    assert_int_equal(scene->extensions[number_of(scene, "m3")].unlit, 1);
+    assert_true(material_named(scene, "m4")->roughness == 1.0f &&
+                material_named(scene, "m4")->alpha_mode == GW_ALPHA_BLEND);
+    const char *const named[] = {"disp, 1 times",
+                                 "-s, 1 times",
+                                 "1 materials with illum 3, 5 or 8",
+                                 "1 materials with illum 10",
+                                 "1 materials with Tf",
+                                 "1 materials with map_Ks or map_Ns"};
+    for (size_t i = 0; i < sizeof named / sizeof *named; i++)
+        if (!has_note(scene, named[i]))
+            fail_msg("nothing is said of '%s'", named[i]);
+    assert_false(has_note(scene, "illumination model"));
+    gw_scene_destroy(&scene);
+    /* No line names a model: the other keys decide. */
+    scene = import_mtl("newmtl m0\nKs 1 1 1\nNs 98\n", 1);
+    assert_true(near((double)material_named(scene, "m0")->roughness, pow(2.0 / 100.0, 0.25)));
     gw_scene_destroy(&scene);
 }
 
@@ -244,6 +316,37 @@ static void maps_lie_where_the_file_puts_them(void **state) {
     assert_true(near((double)scene->materials[m].roughness, 0.25) &&
                 near((double)scene->materials[m].metalness, 0.5) &&
                 near((double)scene->materials[m].emissive[1], 0.25));
+    gw_scene_destroy(&scene);
+}
+
+/* Maps of layers go by texture, each with its own picture's channels; of the thickness only the mean. */
+static void maps_of_extensions_are_carried(void **state) {
+    (void)state;
+    gw_scene *scene = import_material(
+        "\"extensions\":{\"KHR_materials_clearcoat\":{\"clearcoatFactor\":1,\"clearcoatTexture\":{\"index\":"
+        "1},"
+        "\"clearcoatRoughnessTexture\":{\"index\":1},\"clearcoatNormalTexture\":{\"index\":0,\"scale\":0.5}},"
+        "\"KHR_materials_sheen\":{\"sheenColorFactor\":[1,1,1],\"sheenColorTexture\":{\"index\":0},"
+        "\"sheenRoughnessTexture\":{\"index\":1}},\"KHR_materials_specular\":{\"specularTexture\":{\"index\":"
+        "1},"
+        "\"specularColorTexture\":{\"index\":0,\"texCoord\":1}},\"KHR_materials_volume\":{"
+        "\"thicknessFactor\":2,"
+        "\"thicknessTexture\":{\"index\":1}},\"KHR_materials_transmission\":{\"transmissionFactor\":0.5,"
+        "\"transmissionTexture\":{\"index\":1}}}",
+        "");
+    const gw_material_extension *e = &scene->extensions[scene->material_of[0]];
+    assert_true(e->clearcoat == 1 && e->clearcoat_map.texture >= 0 && e->transmission == 0.5f);
+    assert_true(e->clearcoat_roughness_map.texture == e->clearcoat_map.texture &&
+                e->transmission_map.texture == e->clearcoat_map.texture);
+    assert_true(e->clearcoat_normal.texture == e->sheen_color_map.texture &&
+                e->clearcoat_normal_scale == 0.5f);
+    assert_true(e->specular_color_map.coordinate == 1 && e->thickness == 1);
+    /* mask.png is opaque: its alpha is a picture of its own, white all over. */
+    assert_true(e->specular_map.texture == e->sheen_roughness_map.texture &&
+                e->specular_map.texture != e->clearcoat_map.texture);
+    assert_int_equal(scene->textures[e->clearcoat_map.texture].image.rgba[7 * 4], 0);
+    assert_int_equal(scene->textures[e->specular_map.texture].image.rgba[7 * 4], 255);
+    assert_true(has_note(scene, "thickness map: its mean") && !has_note(scene, "clearcoat"));
     gw_scene_destroy(&scene);
 }
 
@@ -405,9 +508,11 @@ int main(void) {
         cmocka_unit_test(all_formats_give_the_same_tetrahedron),
         cmocka_unit_test(vertex_colours_become_linear),
         cmocka_unit_test(mtl_keys_are_carried),
+        cmocka_unit_test(mtl_maps_and_models_are_carried),
         cmocka_unit_test(gltf_is_carried),
         cmocka_unit_test(extensions_are_carried),
         cmocka_unit_test(maps_lie_where_the_file_puts_them),
+        cmocka_unit_test(maps_of_extensions_are_carried),
         cmocka_unit_test(specular_glossiness_becomes_metallic_roughness),
         cmocka_unit_test(bad_children_are_named),
         cmocka_unit_test(a_program_that_is_not_there_is_named),

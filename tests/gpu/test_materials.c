@@ -392,7 +392,8 @@ static void maps_of_extensions_are_read_at_the_hit(void **state) {
         assert_true(right < 0.5 * left);
     }
     /* Black metal reflects nothing, a dielectric under it does. */
-    print_message("finish: %.4f of metal, %.4f without\n", at(seen, FINISH, 3, 8, 0), at(seen, FINISH, 13, 8, 0));
+    print_message("finish: %.4f of metal, %.4f without\n", at(seen, FINISH, 3, 8, 0),
+                  at(seen, FINISH, 13, 8, 0));
     assert_true(at(seen, FINISH, 13, 8, 0) > 2.0 * at(seen, FINISH, 3, 8, 0));
 }
 

@@ -1,5 +1,6 @@
 #include "build/octree_internal.h"
 #include "build/texture_chain.h"
+#include "build/voxel_roughness.h"
 
 #include "base/clock.h"
 #include "base/memory.h"
@@ -84,6 +85,10 @@ static gw_code upload_vertices(payload_stage *stage, gw_error *error) {
     return code;
 }
 
+static int is_unlit(const gw_scene *scene, uint32_t material) {
+    return scene->extensions && scene->extensions[material].unlit;
+}
+
 static gw_code upload_materials(payload_stage *stage, gw_error *error) {
     const gw_scene *scene = stage->builder->scene;
     gw_texture_chains chains = {0};
@@ -97,11 +102,12 @@ static gw_code upload_materials(payload_stage *stage, gw_error *error) {
         code = gw_allocate((void **)&links, scene->material_count, sizeof *links, "texture links", error);
     for (uint32_t m = 0; code == GW_OK && m < scene->material_count; ++m) {
         const gw_material *material = &scene->materials[m];
-        const float finish[4] = {material->roughness, material->metalness, (float)material->alpha_mode,
-                                 material->alpha_cutoff};
+        const float finish[4] = {gw_voxel_roughness(scene, m), material->metalness,
+                                 (float)material->alpha_mode, material->alpha_cutoff};
         memcpy(materials[m][0], material->base_color, sizeof material->base_color);
         memcpy(materials[m][1], finish, sizeof finish);
         memcpy(materials[m][2], material->emissive, sizeof material->emissive);
+        materials[m][2][3] = is_unlit(scene, m) ? 1.0f : 0.0f;
         if (chains.chain_of[m] >= 0) {
             const gw_texture_chain *chain = &chains.chains[chains.chain_of[m]];
             const gw_texture *texture = &scene->textures[material->base_color_texture];
@@ -141,7 +147,7 @@ static gw_code upload_thresholds(payload_stage *stage, gw_error *error) {
 int gw_octree_emits(const gw_scene *scene) {
     for (uint32_t t = 0; t < scene->triangle_count; ++t) {
         const float *emissive = scene->materials[scene->material_of[t]].emissive;
-        if (emissive[0] > 0 || emissive[1] > 0 || emissive[2] > 0)
+        if (emissive[0] > 0 || emissive[1] > 0 || emissive[2] > 0 || is_unlit(scene, scene->material_of[t]))
             return 1;
     }
     return 0;

@@ -26,7 +26,7 @@
 
 #include <stddef.h>
 
-enum { GW_OCTREE_BLOCK_VERSION = 10, GW_OCTREE_SECTIONS = 5 };
+enum { GW_OCTREE_BLOCK_VERSION = 11, GW_OCTREE_SECTIONS = 5 };
 
 /* Bytes that gw_pack_octree writes. */
 size_t gw_pack_octree_size(const gw_octree *octree);

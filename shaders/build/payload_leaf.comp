@@ -17,7 +17,7 @@ layout(binding = 0) uniform samplerBuffer triangle_texels;
 layout(binding = 1) uniform usamplerBuffer reference_texels;
 layout(binding = 2) uniform usamplerBuffer face_texels;    // vertices, material
 layout(binding = 3) uniform usamplerBuffer vertex_texels;  // normal and colour; texture coordinates
-layout(binding = 4) uniform samplerBuffer material_texels; // base colour; roughness, metalness, alpha mode, cut-off; emission
+layout(binding = 4) uniform samplerBuffer material_texels; // base colour; roughness, metalness, alpha mode, cut-off; emission, 1 if unlit
 layout(binding = 5) uniform usamplerBuffer chain_texels;   // per material: offset; bits and wrap modes of both sides; 1 if textured
 layout(binding = 6) uniform usamplerBuffer texture_texels; // linear RGBA, 16 bits each
 
@@ -243,6 +243,14 @@ surface_sum triangle_surface(uint triangle, vec3 low, float scale) {
 #else
     area = area * opacity;
 #endif
+#ifdef GW_EMISSION
+    // What is unlit sends its base colour and reflects nothing.
+    vec4 sent = texelFetch(material_texels, int(face.w) * 3 + 2);
+    bool unlit = sent.w > 0.5;
+    vec3 emission = unlit ? color.xyz : sent.xyz;
+    color = unlit ? vec4(0.0, 0.0, 0.0, color.w) : color;
+    finish = unlit ? vec4(1.0, 0.0, finish.z, finish.w) : finish;
+#endif
     precise vec3 area_color = color.xyz * area;
     precise vec3 area_normal = normal * area;
 #ifdef GW_SEED_RULE
@@ -272,7 +280,7 @@ surface_sum triangle_surface(uint triangle, vec3 low, float scale) {
     part.products = area_products;
 #endif
 #ifdef GW_EMISSION
-    precise vec3 area_emission = texelFetch(material_texels, int(face.w) * 3 + 2).xyz * area;
+    precise vec3 area_emission = emission * area;
     part.emission = area_emission;
 #endif
     return part;

@@ -50,6 +50,7 @@ typedef enum picture {
 
 static gw_stage stage;
 static gw_camera camera;
+static gw_renderer *renderer;
 static uint8_t *seen;
 
 /* --- the scene --- */
@@ -269,20 +270,20 @@ static void open_cards(gw_stage *to, const char *shader_folder) {
                    2.0 * atan(COLUMNS / 2.0 / 200.0) * 57.29577951308232, SIDE);
 }
 
-static uint8_t *take(const gw_stage *from) {
-    return gw_stage_take(from, &camera, &(gw_renderer_options){.forbid_features = GW_FEATURE_SHADOWS}, NULL);
-}
+static const gw_renderer_options plain = {.forbid_features = GW_FEATURE_SHADOWS};
 
 static int open_stage(void **state) {
     (void)state;
     open_cards(&stage, NULL);
-    seen = take(&stage);
+    renderer = gw_stage_renderer_with(&stage, &plain);
+    seen = gw_camera_take(&camera, renderer, NULL);
     return 0;
 }
 
 static int close_stage(void **state) {
     (void)state;
     free(seen);
+    gw_renderer_destroy(&renderer);
     gw_stage_close(&stage);
     return 0;
 }
@@ -332,7 +333,7 @@ static void a_flipped_green_channel_shows(void **state) {
     char folder[512];
     gw_stage naive;
     open_cards(&naive, gw_naive_shaders(folder, "flipped-green", "shade/maps.glsl", "FLIPPED_GREEN"));
-    uint8_t *rgba = take(&naive);
+    uint8_t *rgba = gw_stage_take(&naive, &camera, &plain, NULL);
     assert_false(stands_out(rgba, DOME) || stands_out(rgba, DOME_MIRRORED) || stands_out(rgba, DOME_COAT));
     free(rgba);
     gw_stage_close(&naive);
@@ -397,14 +398,32 @@ static void maps_of_extensions_are_read_at_the_hit(void **state) {
     assert_true(at(seen, FINISH, 13, 8, 0) > 2.0 * at(seen, FINISH, 3, 8, 0));
 }
 
+/* Voxels of unlit surfaces send their base colour; those of a mapped one shine as wide as the map's normals
+ * spread. */
+static void voxels_are_unlit_and_rough_as_their_maps(void **state) {
+    (void)state;
+    gw_camera coarse = camera;
+    coarse.state.geometry = GW_GEOMETRY_VOXELS;
+    uint8_t *rgba = gw_camera_take(&coarse, renderer, NULL);
+    print_message("unlit red: %.4f %.4f %.4f\n", at(rgba, CLAMPED, 6, 2, 0), at(rgba, CLAMPED, 6, 2, 1),
+                  at(rgba, CLAMPED, 6, 2, 2));
+    print_message("ripples %.4f, flat metal %.4f\n", at(rgba, RIPPLED_METAL, 8, 8, 0),
+                  at(rgba, FLAT_METAL, 8, 8, 0));
+    assert_true(fabs(at(rgba, CLAMPED, 6, 2, 0) + at(rgba, CLAMPED, 6, 2, 2) - 1.0) < 0.08);
+    assert_true(at(rgba, CLAMPED, 6, 2, 1) < 0.05);
+    assert_true(at(rgba, RIPPLED_METAL, 8, 8, 0) > 1.1 * at(rgba, FLAT_METAL, 8, 8, 0));
+    free(rgba);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bumps_are_lit_from_their_side),
-        cmocka_unit_test(a_flipped_green_channel_shows),
         cmocka_unit_test(what_a_footprint_mixes_shines_wider),
         cmocka_unit_test(samplers_wrap_and_enlarge_as_asked),
         cmocka_unit_test(colours_and_opacity_are_shown),
         cmocka_unit_test(maps_of_extensions_are_read_at_the_hit),
+        cmocka_unit_test(voxels_are_unlit_and_rough_as_their_maps),
+        cmocka_unit_test(a_flipped_green_channel_shows), /* last: it has a device of its own */
     };
     return cmocka_run_group_tests_name("materials", tests, open_stage, close_stage);
 }

@@ -10,8 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What stands out of the mean by more than this casts shadows. */
-static const double bright = 3.0;
 /* Parts of less variance of directions, (2 deg / 2)^2 / 2, are not cut further. */
 static const double least_variance = 1.5e-4;
 
@@ -23,6 +21,11 @@ void gw_radiance_map_finish(gw_radiance_map *map) {
 static void decode_texel(const uint8_t rgbe[4], float scale, float out[3]) {
     for (int c = 0; c < 3; ++c)
         out[c] = rgbe[3] ? fminf(scale * ldexpf((float)rgbe[c], rgbe[3] - 136), 1e30f) : 0.0f;
+}
+
+/* In proportion to the solid angle of its texels. */
+static double row_angle(uint32_t row, uint32_t rows) {
+    return gw_sin(GW_PI * ((double)row + 0.5) / (double)rows);
 }
 
 gw_code gw_radiance_map_decode(const gw_environment *environment, uint32_t most_width, gw_radiance_map *out,
@@ -41,32 +44,41 @@ gw_code gw_radiance_map_decode(const gw_environment *environment, uint32_t most_
     out->height = high;
     for (uint32_t y = 0; y < high; ++y)
         for (uint32_t x = 0; x < wide; ++x) {
-            double sum[3] = {0};
+            double sum[3] = {0}, whole = 0.0;
             for (uint32_t i = 0; i < step * step; ++i) {
-                const size_t at = (size_t)(y * step + i / step) * width + x * step + i % step;
+                const uint32_t row = y * step + i / step;
+                const double angle = step > 1 ? row_angle(row, height) : 1.0;
                 float texel[3];
-                decode_texel(environment->rgbe.rgba + 4 * at, environment->scale, texel);
+                decode_texel(environment->rgbe.rgba + 4 * ((size_t)row * width + x * step + i % step),
+                             environment->scale, texel);
                 for (int c = 0; c < 3; ++c)
-                    sum[c] += (double)texel[c];
+                    sum[c] += angle * (double)texel[c];
+                whole += angle;
             }
             for (int c = 0; c < 3; ++c)
-                out->texels[3 * ((size_t)y * wide + x) + (size_t)c] = (float)(sum[c] / step / step);
+                out->texels[3 * ((size_t)y * wide + x) + (size_t)c] = (float)(sum[c] / whole);
         }
     return GW_OK;
 }
 
 void gw_radiance_map_halve(gw_radiance_map *map) {
     const uint32_t wide = map->width > 1 ? map->width / 2 : 1, high = map->height > 1 ? map->height / 2 : 1;
-    const size_t right = map->width > 1 ? 1 : 0, below = map->height > 1 ? map->width : 0;
-    for (size_t y = 0; y < high; ++y)
-        for (size_t x = 0; x < wide; ++x) {
-            const size_t from = y * (map->height > 1 ? 2 : 1) * map->width + x * (map->width > 1 ? 2 : 1);
-            for (size_t c = 0; c < 3; ++c)
-                map->texels[3 * (y * wide + x) + c] =
-                    0.25f *
-                    (map->texels[3 * from + c] + map->texels[3 * (from + right) + c] +
-                     map->texels[3 * (from + below) + c] + map->texels[3 * (from + right + below) + c]);
+    const uint32_t across = map->width > 1 ? 2 : 1, down = map->height > 1 ? 2 : 1;
+    for (uint32_t y = 0; y < high; ++y) {
+        const double upper = row_angle(down * y, map->height),
+                     lower = row_angle(down * y + down - 1, map->height);
+        const double share = lower / (upper + lower); /* of the lower row */
+        for (uint32_t x = 0; x < wide; ++x) {
+            const float *row = map->texels + 3 * ((size_t)down * y * map->width + across * x),
+                        *below = row + (down - 1) * 3 * (size_t)map->width;
+            for (size_t c = 0; c < 3; ++c) {
+                const size_t right = c + 3 * (size_t)(across - 1);
+                const double of_row = 0.5 * ((double)row[c] + (double)row[right]),
+                             of_below = 0.5 * ((double)below[c] + (double)below[right]);
+                map->texels[3 * ((size_t)y * wide + x) + c] = (float)(of_row + share * (of_below - of_row));
+            }
         }
+    }
     map->width = wide;
     map->height = high;
 }
@@ -246,7 +258,7 @@ static uint32_t cut_parts(const double *power, const gw_radiance_map *map, const
 static void take_excess(gw_radiance_map *map, const grid *g, double *power, float *excess) {
     double mean[3];
     gw_radiance_map_mean(map, mean);
-    const double kept = bright * luminance(mean);
+    const double kept = GW_ENVIRONMENT_EXCESS * luminance(mean);
     for (size_t i = 0; i < (size_t)map->width * map->height; ++i) {
         float *texel = map->texels + 3 * i;
         const double rgb[3] = {(double)texel[0], (double)texel[1], (double)texel[2]}, light = luminance(rgb);

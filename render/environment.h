@@ -12,6 +12,8 @@
 #include <stdint.h>
 
 enum { GW_MAXIMUM_ENVIRONMENT_LIGHTS = 64 };
+/* What is that many times as bright as the mean over all directions casts shadows, above that. */
+#define GW_ENVIRONMENT_EXCESS 3.0
 
 /* Linear radiance, width = 2 height, 3 floats a texel; owned. */
 typedef struct gw_radiance_map {
@@ -22,7 +24,8 @@ typedef struct gw_radiance_map {
 /* The picture, each side halved as often as it is wider than most_width. */
 gw_code gw_radiance_map_decode(const gw_environment *environment, uint32_t most_width, gw_radiance_map *out,
                                gw_error *error);
-/* Each texel the mean of four; of odd sides the last row or column is left out. Sides stay at least 1. */
+/* Each texel the mean of four, by solid angle; of odd sides the last row or column is left out. Sides stay at
+ * least 1. */
 void gw_radiance_map_halve(gw_radiance_map *map);
 void gw_radiance_map_finish(gw_radiance_map *map);
 
@@ -33,7 +36,7 @@ void gw_radiance_map_irradiance(const gw_radiance_map *map, double rotation, con
                                 double irradiance[3]);
 
 /* A light of GW_LIGHT_DIRECTIONAL with an extent for each of at most most_lights (0 to
- * GW_MAXIMUM_ENVIRONMENT_LIGHTS) compact parts of what is more than three times as bright as the mean; what
+ * GW_MAXIMUM_ENVIRONMENT_LIGHTS) compact parts of what is above GW_ENVIRONMENT_EXCESS times the mean; what
  * they give is taken out of the map, so light is neither lost nor made. Parts: what is left over is cut along
  * rows or columns where that lowers the variance of directions most (after Viriyothai and Debevec,
  * Variance Minimization Light Probe Sampling, 2009), always the part with the most, until there are

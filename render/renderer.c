@@ -84,7 +84,7 @@ gw_code gw_renderer_create(gw_gl *device, const gw_scene *scene, const gw_octree
         return code;
     gw_renderer *renderer = memory;
     renderer->device = device;
-    renderer->scene = scene;
+    renderer->scene = renderer->still = scene;
     renderer->octree = octree;
     renderer->log = options->log;
     renderer->count = options->count;

@@ -161,7 +161,7 @@ static gw_code light_scene(gw_renderer *renderer, const gw_frame_state *state, g
         return GW_OK;
     gw_background_wait(renderer->background);
     gw_code code =
-        gw_scene_buffers_light(renderer->device, renderer->scene, &knobs, &renderer->buffers, error);
+        gw_scene_buffers_light(renderer->device, renderer->still, &knobs, &renderer->buffers, error);
     if (code)
         return gw_context(error, "the scene's lights");
     renderer->light_knobs = knobs;

@@ -125,6 +125,7 @@ typedef struct gw_background gw_background;
 struct gw_renderer {
     gw_gl *device;
     const gw_scene *scene;   /* at `time`, if it moves */
+    const gw_scene *still;   /* as it was made: what lights are made of */
     const gw_octree *octree; /* of that */
     gw_moving *moving;       /* NULL unless the scene moves */
     int64_t time;            /* ns, for which scene and octree stand */

@@ -4,7 +4,7 @@
 #if defined(AREA_LIGHTS) || defined(EMISSIVE_LIGHTS)
 #define WIDE_LIGHTS 1
 #endif
-#ifdef EMISSIVE_LIGHTS
+#ifdef WIDE_LIGHTS
 #include "common/surface_offset.glsl"
 #endif
 
@@ -89,6 +89,9 @@ Light_point point_of_emissive(uint light, bool emissive, vec3 from, float part, 
     precise float area = light_here.w / parts, squared = far * far;
     precise vec3 share = light_here.rgb * (shines ? abs(facing) * squared / max(squared, area * 0.1591549) : 0.0);
     precise vec3 met = offset_from_surface(place, facing < 0.0 ? -unit : unit) - from;
+#ifdef ON_THE_EMITTER
+    met = towards; // the naive variant, for the test that shows why
+#endif
     return Light_point(met, far, share, 0.5 * sqrt(area * 0.3183099) / far);
 }
 #endif
@@ -116,10 +119,17 @@ Light_point point_of_sphere(vec3 towards, float radius, vec2 place) {
     return Light_point(within_cone(towards / far, here, place.y) * near, max(far, radius), vec3(1.0 / (1.0 - 0.5 * depth)), 0.0);
 }
 
-Light_point point_of_rectangle(vec3 towards, vec3 u, vec3 v, vec2 place) {
-    precise vec3 to_point = towards + (place.x - 0.5) * u + (place.y - 0.5) * v;
+// Its points lie off its plane as those of emissive triangles: it may be a lamp's own, or a ceiling's.
+Light_point point_of_rectangle(vec3 from, vec3 middle, vec3 u, vec3 v, vec2 place) {
+    precise vec3 point = middle + (place.x - 0.5) * u + (place.y - 0.5) * v;
+    precise vec3 to_point = point - from;
+    vec3 unit = normalize(cross(u, v));
     float far = max(length_precise(to_point), 1e-12);
-    return Light_point(to_point, far, vec3(max(-dot(normalize(cross(u, v)), to_point) / far, 0.0)), 0.0);
+    precise vec3 met = offset_from_surface(point, unit) - from;
+#ifdef ON_THE_EMITTER
+    met = to_point; // the naive variant, for the test that shows why
+#endif
+    return Light_point(met, far, vec3(max(-dot(unit, to_point) / far, 0.0)), 0.0);
 }
 #endif
 
@@ -143,7 +153,7 @@ Light_point point_of_light(uint light, vec3 from) {
     if (!placed)
         wide = Light_point(within_cone(vector, u.w * place.x, place.y), 1.0, vec3(1.0), 0.0);
     if (v.w > 0.0)
-        wide = point_of_rectangle(towards, u.xyz, v.xyz, place);
+        wide = point_of_rectangle(from, vector, u.xyz, v.xyz, place);
     if (u.w > 0.0 || v.w > 0.0)
         hard = wide;
 #endif

@@ -114,7 +114,7 @@ ALL_OBJECTS := $(OBJECTS) $(TREE)/wall/main.o $(TEST_SUPPORT) $(TEST_SOURCES:%.c
 
 # --- targets ---------------------------------------------------------------------------------------------------------
 
-.PHONY: all setup demo tests test hard soak compare fuzz fuzz-programs tools lint format docs tracks demo-track moving-scene record-ledger install clean help
+.PHONY: all setup demo tests test hard soak compare fuzz fuzz-programs tools lint format docs tracks demo-track moving-scene lit-scene record-ledger install clean help
 
 all: $(PROGRAMS) $(ARCHIVE) $(if $(PROGRAMS),$(OUT)/gazewall)
 
@@ -197,6 +197,9 @@ moving-scene: $(TREE)/tests/tools/make_moving_scene
 
 record-ledger: $(TREE)/tests/gpu/test_ledger
 	$(quiet)GW_RECORD_LEDGER=1 $<
+
+lit-scene: $(TREE)/tests/tools/make_lit_scene
+	$(quiet)$< configs/scenes
 
 install: all
 	install -d '$(DESTDIR)$(PREFIX)/bin' '$(DESTDIR)$(PREFIX)/share/gazewall' '$(DESTDIR)$(PREFIX)/share/doc/gazewall/docs' \

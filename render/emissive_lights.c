@@ -8,7 +8,7 @@
 #include <string.h>
 
 /* A cluster whose places deviate by less than this share of the box's diagonal is not cut further. */
-static const double compact = 0.02;
+static const double compact = 0.05;
 /* Triangles one behind the other are taken together where there are more than that. */
 enum { MOST_ATOMS = 1 << 14 };
 enum { LEAST_SLOTS = 16, SLOTS_OF_TRIANGLE = 4 };

@@ -281,9 +281,9 @@ static void make_light(const part *p, const float *excess, const gw_radiance_map
         for (uint32_t x = p->x[0]; x < p->x[1]; ++x)
             for (size_t c = 0; c < 3; ++c)
                 sum[c] += g->angle[y] * (double)excess[3 * ((size_t)y * map->width + x) + c];
-    /* Directions over a disc of half-angle a have a variance of a^2 / 2. */
+    /* Directions over a disc of half-angle a have a variance of a^2 / 2; so has a texel about its middle. */
     const double variance = spread_of(&p->light) / p->light.power,
-                 half_angle = fmin(sqrt(2.0 * variance), 1.2);
+                 half_angle = fmin(sqrt(2.0 * variance + g->angle[p->y[0]] / GW_PI), 1.2);
     for (int i = 0; i < 3; ++i) {
         out->vector[i] = -m[i] / size;
         out->color[i] = (float)(sum[i] * 0.5 * (1.0 + gw_cos(half_angle))); /* on a surface that faces it */

@@ -12,7 +12,7 @@ const gw_knob gw_knobs[] = {
     /* Of the octree. */
     {.name = "outlier_extents", .sweep = "4 100 10000 1000000 0"},
     {.name = "octree_depth", .sweep = "6 8 9 10 11 12"},
-    {.name = "leaf_triangles", .quick = 1},
+    {.name = "leaf_triangles"},
     {.name = "fan_rule"},
     {.name = "fan_cap"},
     {.name = "isolation_rule"},

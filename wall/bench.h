@@ -25,6 +25,11 @@ typedef struct gw_bench {
     int times_only;  /* of modes: no errors, no flicker */
     int point_light; /* of modes: one point light instead of the scene's lights, as in the paper */
     uint32_t size[2]; /* px, of benches that trace a picture; 0: the bench's own */
+    size_t knob_count;
+    const char *knobs[64];    /* of accuracy: names; none: all */
+    const char *max_error;    /* of accuracy: "[METRIC=]VALUE", look for the cheapest settings within it */
+    const char *max_cost;     /* or "COST=VALUE": for the best */
+    const char *save_profile; /* file for what was found, or NULL */
     size_t scene_count;
     const char *scenes[64]; /* of benches that take several; none: draw.scene */
     gw_console console;
@@ -63,6 +68,9 @@ gw_code gw_bench_aliasing(gw_bench *bench, gw_error *error);
 
 /* The price list: each scene with each effect and without, and with effects that nothing calls for. */
 gw_code gw_bench_effects(gw_bench *bench, gw_error *error);
+
+/* The ledger: error against cost for every knob of every scene. */
+gw_code gw_bench_accuracy(gw_bench *bench, gw_error *error);
 
 /* Many models at once, each with its own octree and renderer on one device. */
 gw_code gw_bench_resident(gw_bench *bench, gw_error *error);

@@ -1,12 +1,13 @@
 #include "wall/plot.h"
 
-#include "wall/svg.h"
+#include "base/memory.h"
+#include "wall/plot_pen.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { WIDTH = 720, HEIGHT = 440, LEFT = 80, RIGHT = 180, TOP = 40, BOTTOM = 60 };
+enum { WIDTH = GW_PLOT_WIDTH, HEIGHT = GW_PLOT_HEIGHT, LEFT = 80, RIGHT = 180, TOP = 40, BOTTOM = 60 };
 
 /* Colours that also differ for the colour-blind (Okabe and Ito). */
 static const char *const colors[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
@@ -19,7 +20,7 @@ typedef struct axis {
 } axis;
 
 typedef struct canvas {
-    FILE *svg;
+    const gw_plot_pen *pen;
     axis x, y;
 } canvas;
 
@@ -61,8 +62,13 @@ static void decade_text(int exponent, char *out, size_t size) {
         snprintf(out, size, "1e%d", exponent);
 }
 
-static void put_line(FILE *svg, double x0, double y0, double x1, double y1, const char *color) {
-    fprintf(svg, "<path d=\"M%.1f %.1fL%.1f %.1f\" stroke=\"%s\"/>\n", x0, y0, x1, y1, color);
+static void put_line(const canvas *c, double x0, double y0, double x1, double y1, const char *color) {
+    const gw_plot_place ends[2] = {{x0, y0}, {x1, y1}};
+    c->pen->line(c->pen, ends, 2, color, 1, 0);
+}
+
+static void put_text(const canvas *c, double x, double y, gw_plot_anchor anchor, const char *text) {
+    c->pen->text(c->pen, (gw_plot_place){x, y}, anchor, 12, "#222", text);
 }
 
 /* Lines at the decades, labels below and on the left; faint lines at 2 to 9 times. */
@@ -70,52 +76,73 @@ static void put_grid(const canvas *c) {
     char text[32];
     for (int e = (int)c->x.low; e <= (int)c->x.high; e++) {
         for (int k = 1; k < 10 && (k == 1 || e < (int)c->x.high); k++)
-            put_line(c->svg, across(c, e + log10(k)), TOP, across(c, e + log10(k)), HEIGHT - BOTTOM,
+            put_line(c, across(c, e + log10(k)), TOP, across(c, e + log10(k)), HEIGHT - BOTTOM,
                      k == 1 ? "#bbb" : "#eee");
         decade_text(e, text, sizeof text);
-        gw_svg_text(c->svg, across(c, e), HEIGHT - BOTTOM + 18, "text-anchor=\"middle\"", text);
+        put_text(c, across(c, e), HEIGHT - BOTTOM + 18, GW_PLOT_MIDDLE, text);
     }
     for (int e = (int)c->y.low; e <= (int)c->y.high; e++) {
         for (int k = 1; k < 10 && (k == 1 || e < (int)c->y.high); k++)
-            put_line(c->svg, LEFT, down(c, e + log10(k)), WIDTH - RIGHT, down(c, e + log10(k)),
+            put_line(c, LEFT, down(c, e + log10(k)), WIDTH - RIGHT, down(c, e + log10(k)),
                      k == 1 ? "#bbb" : "#eee");
         decade_text(e, text, sizeof text);
-        gw_svg_text(c->svg, LEFT - 8, down(c, e) + 4, "text-anchor=\"end\"", text);
+        put_text(c, LEFT - 8, down(c, e) + 4, GW_PLOT_RIGHT, text);
     }
 }
 
-static void put_series(const canvas *c, const gw_plot_series *series, size_t index) {
+static gw_plot_place place_of(const canvas *c, const gw_plot_series *series, size_t i) {
+    return (gw_plot_place){across(c, log10(series->x[i])), down(c, log10(series->y[i]))};
+}
+
+static void put_points(const canvas *c, const gw_plot_series *series, const char *color) {
+    for (size_t i = 0; i < series->count; i++) {
+        if (!has_place(series, i))
+            continue;
+        const gw_plot_place at = place_of(c, series, i);
+        c->pen->dot(c->pen, at, 3, 0, color);
+        if (series->ringed && series->ringed[i])
+            c->pen->dot(c->pen, at, 6, 1.5, "#000");
+        if (series->labels)
+            c->pen->text(c->pen, (gw_plot_place){at.x + 8, at.y - 5}, GW_PLOT_LEFT, 11, "#222",
+                         series->labels[i]);
+    }
+}
+
+static gw_code put_series(const canvas *c, const gw_plot_series *series, size_t index, gw_error *error) {
     const char *color = series->dashed ? "#777" : colors[index % COLOR_COUNT];
-    const char *style = series->dashed ? "stroke-dasharray=\"5 4\"" : "stroke-width=\"2\"";
-    char command = 'M';
-    fputs("<path d=\"", c->svg);
+    const double width = series->dashed ? 1 : 2, y = TOP + 12 + 20.0 * (double)index;
+    gw_plot_place *places = NULL;
+    size_t count = 0;
+    gw_code code = gw_allocate((void **)&places, series->count, sizeof *places, "a curve", error);
+    if (code)
+        return code;
     for (size_t i = 0; i < series->count; i++)
-        if (has_place(series, i)) {
-            fprintf(c->svg, "%c%.1f %.1f", command, across(c, log10(series->x[i])),
-                    down(c, log10(series->y[i])));
-            command = 'L';
-        }
-    fprintf(c->svg, "\" stroke=\"%s\" %s/>\n", color, style);
-    for (size_t i = 0; i < series->count && !series->dashed; i++)
         if (has_place(series, i))
-            fprintf(c->svg, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3\" fill=\"%s\"/>\n",
-                    across(c, log10(series->x[i])), down(c, log10(series->y[i])), color);
-    double y = TOP + 12 + 20.0 * (double)index;
-    fprintf(c->svg, "<path d=\"M%d %.1fh24\" stroke=\"%s\" %s/>\n", WIDTH - RIGHT + 12, y - 4, color, style);
-    gw_svg_text(c->svg, WIDTH - RIGHT + 42, y, "fill=\"#222\"", series->name);
+            places[count++] = place_of(c, series, i);
+    if (!series->loose)
+        c->pen->line(c->pen, places, count, color, width, series->dashed);
+    free(places);
+    if (!series->dashed)
+        put_points(c, series, color);
+    const gw_plot_place key[2] = {{WIDTH - RIGHT + 12, y - 4}, {WIDTH - RIGHT + 36, y - 4}};
+    if (series->loose)
+        c->pen->dot(c->pen, (gw_plot_place){WIDTH - RIGHT + 24, y - 4}, 3, 0, color);
+    else
+        c->pen->line(c->pen, key, 2, color, width, series->dashed);
+    put_text(c, WIDTH - RIGHT + 42, y, GW_PLOT_LEFT, series->name);
+    return GW_OK;
 }
 
-static void put_labels(const gw_plot *plot, FILE *svg) {
-    char turned[128];
+static void put_labels(const gw_plot *plot, const canvas *c) {
     const double middle_x = (LEFT + WIDTH - RIGHT) / 2.0, middle_y = (TOP + HEIGHT - BOTTOM) / 2.0;
-    gw_svg_text(svg, middle_x, TOP - 16, "text-anchor=\"middle\" font-size=\"15\"", plot->title);
-    gw_svg_text(svg, middle_x, HEIGHT - 18, "text-anchor=\"middle\"", plot->x_label);
-    snprintf(turned, sizeof turned, "text-anchor=\"middle\" transform=\"rotate(-90 20 %.1f)\"", middle_y);
-    gw_svg_text(svg, 20, middle_y, turned, plot->y_label);
+    c->pen->text(c->pen, (gw_plot_place){middle_x, TOP - 16}, GW_PLOT_MIDDLE, 15, "#222", plot->title);
+    put_text(c, middle_x, HEIGHT - 18, GW_PLOT_MIDDLE, plot->x_label);
+    put_text(c, 20, middle_y, GW_PLOT_UPWARDS, plot->y_label);
 }
 
-gw_code gw_plot_svg(const gw_plot *plot, char **out, size_t *size, gw_error *error) {
-    canvas c = {.x = {INFINITY, -INFINITY}, .y = {INFINITY, -INFINITY}};
+static gw_code put_plot(const gw_plot *plot, const gw_plot_pen *pen, gw_error *error) {
+    canvas c = {.pen = pen, .x = {INFINITY, -INFINITY}, .y = {INFINITY, -INFINITY}};
+    gw_code code = GW_OK;
     for (size_t s = 0; s < plot->series_count; s++)
         for (size_t i = 0; i < plot->series[s].count; i++)
             if (has_place(&plot->series[s], i)) {
@@ -124,21 +151,33 @@ gw_code gw_plot_svg(const gw_plot *plot, char **out, size_t *size, gw_error *err
             }
     c.x = round_axis(c.x);
     c.y = round_axis(c.y);
+    put_grid(&c);
+    put_labels(plot, &c);
+    for (size_t s = 0; s < plot->series_count && !code; s++)
+        code = put_series(&c, &plot->series[s], s, error);
+    return code;
+}
+
+gw_code gw_plot_svg(const gw_plot *plot, char **out, size_t *size, gw_error *error) {
     *out = NULL;
-    c.svg = open_memstream(out, size);
-    if (!c.svg)
+    FILE *svg = open_memstream(out, size);
+    if (!svg)
         return gw_fail(error, GW_MACHINE, "memory is out while drawing a plot");
-    fprintf(c.svg,
+    const gw_plot_pen pen = gw_plot_pen_svg(svg);
+    fprintf(svg,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%d\" viewBox=\"0 0 %d %d\" "
             "font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"100%%\" height=\"100%%\" "
-            "fill=\"white\"/>\n"
-            "<g fill=\"#222\">\n",
+            "fill=\"white\"/>\n",
             WIDTH, HEIGHT, WIDTH, HEIGHT);
-    put_grid(&c);
-    put_labels(plot, c.svg);
-    fputs("</g>\n<g fill=\"none\">\n", c.svg);
-    for (size_t s = 0; s < plot->series_count; s++)
-        put_series(&c, &plot->series[s], s);
-    fputs("</g>\n</svg>\n", c.svg);
-    return fclose(c.svg) == 0 ? GW_OK : gw_fail(error, GW_MACHINE, "memory is out while drawing a plot");
+    gw_code code = put_plot(plot, &pen, error);
+    fputs("</svg>\n", svg);
+    return fclose(svg) == 0 || code ? code : gw_fail(error, GW_MACHINE, "memory is out while drawing a plot");
+}
+
+gw_code gw_plot_image(const gw_plot *plot, gw_image *out, gw_error *error) {
+    gw_code code = gw_image_create(WIDTH, HEIGHT, out, error);
+    if (code)
+        return code;
+    const gw_plot_pen pen = gw_plot_pen_image(out);
+    return put_plot(plot, &pen, error);
 }

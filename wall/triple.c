@@ -1,10 +1,9 @@
 #include "wall/triple.h"
 
-#include "base/memory.h"
 #include "render/acuity_filter.h"
-#include "render/flip.h"
 #include "render/frame_block.h"
 #include "render/metrics.h"
+#include "wall/heat.h"
 #include "wall/picture.h"
 
 #include <math.h>
@@ -33,21 +32,6 @@ gw_frame_state gw_exact_state(const gw_frame_state *state) {
     return exact;
 }
 
-static gw_code compare(const gw_image *reference, const gw_image *picture, double pixels_per_degree,
-                       gw_image *out, double *mean, gw_error *error) {
-    size_t pixels = (size_t)picture->width * picture->height;
-    float *map = NULL;
-    gw_code code = gw_allocate((void **)&map, pixels, sizeof *map, "differences", error);
-    if (!code)
-        code = gw_image_create(picture->width, picture->height, out, error);
-    if (!code)
-        code = gw_flip(reference, picture, pixels_per_degree, map, mean, error);
-    for (size_t i = 0; i < pixels && !code; i++)
-        gw_flip_color(map[i], out->rgba + i * 4);
-    free(map);
-    return code;
-}
-
 static gw_code compare_seen(triple *t, gw_error *error) {
     const gw_triple_view *view = t->view;
     gw_image filtered[2] = {{0}, {0}};
@@ -57,7 +41,8 @@ static gw_code compare_seen(triple *t, gw_error *error) {
     for (int i = 0; i < 2 && !code; i++)
         code = gw_acuity_filter(t->parts[i], &block, &filtered[i], error);
     if (!code)
-        code = compare(&filtered[0], &filtered[1], t->pixels_per_degree, &t->seen, &t->seen_flip, error);
+        code =
+            gw_heat_picture(&filtered[0], &filtered[1], t->pixels_per_degree, &t->seen, &t->seen_flip, error);
     gw_image_finish(&filtered[0]);
     gw_image_finish(&filtered[1]);
     return code;
@@ -102,7 +87,7 @@ gw_code gw_triple_write(const gw_triple_view *view, const gw_image *approximate,
         code = gw_renderer_frame(view->renderer, view->placement, view->plane, &all, &state, t.exact.rgba,
                                  NULL, error);
     if (!code)
-        code = compare(&t.exact, approximate, t.pixels_per_degree, &t.difference, &t.flip, error);
+        code = gw_heat_picture(&t.exact, approximate, t.pixels_per_degree, &t.difference, &t.flip, error);
     if (!code && t.gazed)
         code = compare_seen(&t, error);
     if (!code)

@@ -43,6 +43,7 @@ static const bench_kind kinds[] = {
     {"aliasing", gw_bench_aliasing, NEEDS_SCENES, 0, 0},
     {"tracking", gw_bench_tracking, NEEDS_NO_DEVICE, 0, 0},
     {"effects", gw_bench_effects, NEEDS_SCENES, 0, 0},
+    {"accuracy", gw_bench_accuracy, NEEDS_SCENES, 0, 0},
 };
 enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };
 
@@ -60,7 +61,11 @@ enum {
     KEY_PATH,
     KEY_POINT_LIGHT,
     KEY_DENSITY,
-    KEY_TIMES_ONLY
+    KEY_TIMES_ONLY,
+    KEY_KNOB,
+    KEY_MAX_ERROR,
+    KEY_MAX_COST,
+    KEY_SAVE_PROFILE
 };
 
 static const struct argp_option options_table[] = {
@@ -69,10 +74,12 @@ static const struct argp_option options_table[] = {
     {"repeats", KEY_REPEATS, "N", 0, "1 to 1000; default 7 (quick 2), of modes 3 (1)", 1},
     {"size", KEY_SIZE, "WxH", 0,
      "px, of the picture that modes draws (default 1024x1024, quick 128x128), that effects draws (384x384, "
-     "quick 96x96), and whose rays peers and layouts trace (1024x576, quick 160x90)",
+     "quick 96x96), that accuracy draws (384x216, quick 96x54), and whose rays peers and layouts trace "
+     "(1024x576, quick 160x90)",
      1},
     {"path", KEY_PATH, "NAME", 0,
-     "camera path that modes follows and effects looks from the middle of, by name or number; default: the "
+     "camera path that modes follows and effects and accuracy look from the middle of, by name or number; "
+     "default: the "
      "first",
      1},
     {"point-light", KEY_POINT_LIGHT, NULL, 0,
@@ -87,6 +94,16 @@ static const struct argp_option options_table[] = {
     {"frames", KEY_FRAMES, "N", 0,
      "1 to 64, default 4 (quick 2): pairs of frames on that path; frames of aliasing, default 12 (quick 3)",
      1},
+    {"knob", KEY_KNOB, "NAME", 0, "accuracy: measures only this setting; may be repeated", 1},
+    {"max-error", KEY_MAX_ERROR, "METRIC=E", 0,
+     "accuracy: looks for the cheapest settings whose error by a metric (flip, seen_flip, ...; "
+     "docs/metrics.md) "
+     "is at most E; E alone: seen_flip",
+     1},
+    {"max-cost", KEY_MAX_COST, "COST=N", 0,
+     "accuracy: looks for the settings of least seen_flip that cost at most N: work, rays, ms or bytes", 1},
+    {"save-profile", KEY_SAVE_PROFILE, "FILE", 0,
+     "accuracy: writes the settings that it found there, for --profile of sim, wall and render", 1},
     {0}};
 
 static gw_code add_scene(gw_bench *bench, const char *path, gw_error *error) {
@@ -97,11 +114,19 @@ static gw_code add_scene(gw_bench *bench, const char *path, gw_error *error) {
     return GW_OK;
 }
 
+static gw_code add_knob(gw_bench *bench, const char *name, gw_error *error) {
+    const size_t most = sizeof bench->knobs / sizeof *bench->knobs;
+    if (bench->knob_count == most)
+        return gw_fail(error, GW_BAD_INPUT, "--knob: %zu are the most; without any, all are measured", most);
+    bench->knobs[bench->knob_count++] = name;
+    return GW_OK;
+}
+
 /* "build, peers ... or rebuild". */
-static const char *names_of_kinds(char text[240]) {
+static const char *names_of_kinds(char text[280]) {
     size_t used = 0;
     for (size_t i = 0; i < KIND_COUNT; i++)
-        used += (size_t)snprintf(text + used, 240 - used, "%s%s",
+        used += (size_t)snprintf(text + used, 280 - used, "%s%s",
                                  i == 0                ? ""
                                  : i + 1 == KIND_COUNT ? " or "
                                                        : ", ",
@@ -124,7 +149,7 @@ static gw_code choose_kind(bench_options *o, const char *word, gw_error *error) 
         return gw_fail(error, GW_BAD_INPUT, "'%s' is one word too many; bench measures one thing at a time",
                        word);
     const char *near = gw_suggest(word, names, KIND_COUNT);
-    char all[240];
+    char all[280];
     return gw_fail(error, GW_BAD_INPUT, "there is no bench '%s'; it is %s%s%s%s", word, names_of_kinds(all),
                    near ? " (did you mean '" : "", near ? near : "", near ? "'?)" : "");
 }
@@ -167,6 +192,18 @@ static error_t parse_bench(int key, char *argument, struct argp_state *state) {
     case KEY_PATH:
         o->bench.path = argument;
         break;
+    case KEY_KNOB:
+        code = add_knob(&o->bench, argument, error);
+        break;
+    case KEY_MAX_ERROR:
+        o->bench.max_error = argument;
+        break;
+    case KEY_MAX_COST:
+        o->bench.max_cost = argument;
+        break;
+    case KEY_SAVE_PROFILE:
+        code = gw_parse_name("--save-profile", argument, &o->bench.save_profile, error);
+        break;
     case ARGP_KEY_ARG:
         code = choose_kind(o, argument, error);
         break;
@@ -181,7 +218,8 @@ static const struct argp bench_argp = {
     .options = options_table,
     .parser = parse_bench,
     .args_doc = "build|peers|modes|layouts|table2 [SCENE...]|growth|resident "
-                "[SCENE...]|voxelise|rebuild|scale|aliasing [SCENE...]|tracking|effects [SCENE...]",
+                "[SCENE...]|voxelise|rebuild|scale|aliasing [SCENE...]|tracking|effects [SCENE...]|accuracy "
+                "[SCENE...]",
     .children = children,
     .doc =
         "build: builds the scene's octree again and again; medians, phases, pairs, bytes a triangle.\n"
@@ -227,12 +265,21 @@ static const struct argp bench_argp = {
         "without, at full quality and foveated, and with effects that nothing calls for: rays, work, bytes, "
         "time, "
         "the error of leaving it out; a chart. --quick: a small picture, the unused ones all at once.\n"
+        "accuracy: the ledger: each knob of each SCENE (without: --scene, or the demo) at several values, "
+        "all others "
+        "as they stand, against a frame without any approximation: errors, work, bytes, time, pictures, "
+        "plots, and "
+        "one page that shows them together (accuracy.html). What the folder of --out holds already is not "
+        "measured "
+        "again. --quick: a small picture and the chief knobs. --max-error and --max-cost look for settings.\n"
         "rebuild: octrees of an animated scene, pose after pose, built anew and rebuilt: time, buffers; "
         "fails when they differ.\v"
         "Examples:\n"
         "  gazewall bench build --scene dragon.ply --out results\n"
         "  gazewall bench peers --quick\n"
-        "  gazewall bench table2 dragon.ply sponza.gltf --out results\n"};
+        "  gazewall bench table2 dragon.ply sponza.gltf --out results\n"
+        "  gazewall bench accuracy dragon.ply --knob tau --knob samples --out ledger\n"
+        "  gazewall bench accuracy --max-error seen_flip=0.05 --save-profile mine.yaml --out ledger\n"};
 
 gw_code gw_bench_write(const gw_bench *bench, const char *name, const char *rows, size_t size,
                        gw_error *error) {
@@ -321,16 +368,20 @@ static gw_code check_heeded(const bench_options *o, gw_error *error) {
     const gw_bench *bench = &o->bench;
     gw_code (*const run)(gw_bench *, gw_error *) = o->kind->run;
     const int modes = run == gw_bench_modes_run, aliasing = run == gw_bench_aliasing;
-    const int effects = run == gw_bench_effects;
-    const int draws = modes || aliasing || effects || run == gw_bench_peers || run == gw_bench_layouts ||
-                      run == gw_bench_resident;
-    const char *lost = bench->size[0] && !draws               ? "--size"
-                       : bench->frames && !modes && !aliasing ? "--frames"
-                       : bench->path && !modes && !effects    ? "--path"
-                       : bench->point_light && !modes         ? "--point-light"
-                       : bench->density > 0 && !modes         ? "--density"
-                       : bench->times_only && !modes          ? "--times-only"
-                                                              : NULL;
+    const int effects = run == gw_bench_effects, accuracy = run == gw_bench_accuracy;
+    const int draws = modes || aliasing || effects || accuracy || run == gw_bench_peers ||
+                      run == gw_bench_layouts || run == gw_bench_resident;
+    const char *lost = bench->size[0] && !draws                         ? "--size"
+                       : bench->frames && !modes && !aliasing           ? "--frames"
+                       : bench->path && !modes && !effects && !accuracy ? "--path"
+                       : bench->point_light && !modes                   ? "--point-light"
+                       : bench->density > 0 && !modes                   ? "--density"
+                       : bench->times_only && !modes                    ? "--times-only"
+                       : bench->knob_count && !accuracy                 ? "--knob"
+                       : bench->max_error && !accuracy                  ? "--max-error"
+                       : bench->max_cost && !accuracy                   ? "--max-cost"
+                       : bench->save_profile && !accuracy               ? "--save-profile"
+                                                                        : NULL;
     if (lost)
         return gw_fail(error, GW_BAD_INPUT, "bench %s has no use for %s; leave it out", o->kind->name, lost);
     return o->kind->needs >= NEEDS_NOTHING && bench->draw.scene
@@ -341,7 +392,7 @@ static gw_code check_heeded(const bench_options *o, gw_error *error) {
 
 int gw_verb_bench(int argc, char **argv) {
     static bench_options o;
-    char all[240];
+    char all[280];
     gw_bench *bench = &o.bench;
     gw_error error = {0};
     int helped = 0;

@@ -10,7 +10,7 @@ static const char predicted[] = "predicted_error", cones[] = "occlusion_cones=3"
 /* In the order of the table of settings. */
 const gw_knob gw_knobs[] = {
     /* Of the octree. */
-    {.name = "outlier_extents", .sweep = "4 100 10000 1000000 0"},
+    {.name = "outlier_extents", .sweep = "10 1000000 0"},
     {.name = "octree_depth", .sweep = "6 8 9 10 11 12"},
     {.name = "leaf_triangles"},
     {.name = "fan_rule"},

@@ -29,9 +29,9 @@ static const char style[] =
     ".row{display:flex;flex-wrap:wrap;gap:1em;align-items:flex-start}.fault{background:#c00;color:#fff;"
     "padding:.3em "
     ".6em}"
-    "figure{margin:0}figcaption{font-size:12px;color:#555}.p{background-size:100% "
+    "figcaption{font-size:12px;color:#555}.p{background-size:100% "
     "100%;image-rendering:pixelated;"
-    "width:384px}"
+    "width:100%}figure{margin:0;flex:1 1 30%;max-width:384px}"
     "nav a{margin-right:.7em;white-space:nowrap}svg{max-width:100%;height:auto}code{background:#f3f3f3}\n";
 
 static void put_text(FILE *page, const char *text) {
@@ -202,11 +202,12 @@ static void put_links(FILE *page, const gw_accuracy_scene *scene, size_t number)
         if (!scene->curves[c].idle)
             fprintf(page, "<a href=\"#s%zu-%s\">%s</a>\n", number, scene->curves[c].knob->name,
                     scene->curves[c].knob->name);
-    fputs("</nav><p>Without effect in this scene:", page);
+    size_t idle = 0;
+    fputs("</nav>\n", page);
     for (size_t c = 0; c < scene->curve_count; c++)
         if (scene->curves[c].idle)
-            fprintf(page, " %s", scene->curves[c].knob->name);
-    fputs(".</p>\n", page);
+            fprintf(page, "%s %s", idle++ ? "" : "<p>Without effect in this scene:", scene->curves[c].knob->name);
+    fputs(idle ? ".</p>\n" : "", page);
 }
 
 static gw_code put_scene(FILE *page, const gw_accuracy *accuracy, size_t number, gw_error *error) {

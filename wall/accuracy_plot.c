@@ -85,7 +85,8 @@ static gw_code plot_curve(const gw_accuracy_scene *scene, const gw_accuracy_curv
                           .x_label = "work, as a share of that of the value that stands",
                           .y_label = "error (mean FLIP; below 0.0001 drawn there)",
                           .series = series,
-                          .series_count = 2};
+                          .series_count = 2,
+                          .tight = 1};
     if (!code)
         code = draw(&plot, svg, size, image, error);
     drop(&d);
@@ -135,7 +136,8 @@ static gw_code plot_scene(const gw_accuracy_scene *scene, char **svg, size_t *si
                           .x_label = "work, as a share of that of the settings that stand",
                           .y_label = "error (mean FLIP; below 0.0001 drawn there)",
                           .series = series,
-                          .series_count = 2};
+                          .series_count = 2,
+                          .tight = 1};
     if (!code)
         code = draw(&plot, svg, size, image, error);
     free(order);

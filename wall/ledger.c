@@ -82,6 +82,8 @@ static gw_code open_octree(gw_ledger *ledger, const gw_settings *settings, gw_er
     gw_renderer_destroy(&ledger->timed);
     gw_octree_destroy(&model->octree);
     draw.settings = *settings;
+    if (!same_stage(settings, &bench->draw.settings, NULL))
+        draw.cache = "none"; /* what is tried once does not push out what others use */
     gw_code code = GW_OK;
     if (!same_stage(settings, &ledger->built, "outlier_extents")) {
         gw_model_drop(model);

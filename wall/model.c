@@ -63,6 +63,7 @@ int gw_model_find(gw_model *model, const gw_draw_options *options, const gw_log 
     gw_error refused = {0};
     char *path = cache_path(model, options, &key);
     int64_t begin = gw_now_ns();
+    model->from_cache = 0;
     if (path && gw_file_exists(path)) {
         if (gw_octree_cache_load(path, key, model->scene, &model->octree, &refused))
             gw_log_write(log, GW_LOG_WARNING, "%s; the octree is built again", refused.text);

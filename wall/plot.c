@@ -43,6 +43,15 @@ static axis round_axis(axis a) {
     return (axis){a.low, a.high > a.low ? a.high : a.low + 1};
 }
 
+/* A little beyond the points, and wide enough that some tick has a label. */
+static axis loosen_axis(axis a) {
+    const double least = 0.12;
+    if (a.low > a.high)
+        return (axis){0, 1};
+    const double more = fmax(0.06 * (a.high - a.low), (least - (a.high - a.low)) / 2);
+    return (axis){a.low - more, a.high + more};
+}
+
 static double across(const canvas *c, double exponent) {
     return LEFT + (exponent - c->x.low) / (c->x.high - c->x.low) * (WIDTH - LEFT - RIGHT);
 }
@@ -71,23 +80,46 @@ static void put_text(const canvas *c, double x, double y, gw_plot_anchor anchor,
     c->pen->text(c->pen, (gw_plot_place){x, y}, anchor, 12, "#222", text);
 }
 
+static int is_within(axis a, double exponent) {
+    return exponent >= a.low - 1e-9 && exponent <= a.high + 1e-9;
+}
+
+/* Which of 1 to 9 times a power of ten have a label: the fewer decades, the more. */
+static int is_labelled(axis a, int k) {
+    const double decades = a.high - a.low;
+    return k == 1 || (decades < 0.999 && (k == 2 || k == 5)) || decades < 0.4;
+}
+
+static void tick_text(int exponent, int k, char *out, size_t size) {
+    if (k == 1)
+        decade_text(exponent, out, size);
+    else
+        snprintf(out, size, "%.*f", exponent < 0 ? -exponent : 0, k * pow(10, exponent));
+}
+
 /* Lines at the decades, labels below and on the left; faint lines at 2 to 9 times. */
 static void put_grid(const canvas *c) {
     char text[32];
-    for (int e = (int)c->x.low; e <= (int)c->x.high; e++) {
-        for (int k = 1; k < 10 && (k == 1 || e < (int)c->x.high); k++)
-            put_line(c, across(c, e + log10(k)), TOP, across(c, e + log10(k)), HEIGHT - BOTTOM,
-                     k == 1 ? "#bbb" : "#eee");
-        decade_text(e, text, sizeof text);
-        put_text(c, across(c, e), HEIGHT - BOTTOM + 18, GW_PLOT_MIDDLE, text);
-    }
-    for (int e = (int)c->y.low; e <= (int)c->y.high; e++) {
-        for (int k = 1; k < 10 && (k == 1 || e < (int)c->y.high); k++)
-            put_line(c, LEFT, down(c, e + log10(k)), WIDTH - RIGHT, down(c, e + log10(k)),
-                     k == 1 ? "#bbb" : "#eee");
-        decade_text(e, text, sizeof text);
-        put_text(c, LEFT - 8, down(c, e) + 4, GW_PLOT_RIGHT, text);
-    }
+    for (int e = (int)floor(c->x.low); e <= (int)c->x.high; e++)
+        for (int k = 1; k < 10; k++) {
+            const double at = e + log10(k);
+            if (!is_within(c->x, at))
+                continue;
+            put_line(c, across(c, at), TOP, across(c, at), HEIGHT - BOTTOM, k == 1 ? "#bbb" : "#eee");
+            tick_text(e, k, text, sizeof text);
+            if (is_labelled(c->x, k))
+                put_text(c, across(c, at), HEIGHT - BOTTOM + 18, GW_PLOT_MIDDLE, text);
+        }
+    for (int e = (int)floor(c->y.low); e <= (int)c->y.high; e++)
+        for (int k = 1; k < 10; k++) {
+            const double at = e + log10(k);
+            if (!is_within(c->y, at))
+                continue;
+            put_line(c, LEFT, down(c, at), WIDTH - RIGHT, down(c, at), k == 1 ? "#bbb" : "#eee");
+            tick_text(e, k, text, sizeof text);
+            if (is_labelled(c->y, k))
+                put_text(c, LEFT - 8, down(c, at) + 4, GW_PLOT_RIGHT, text);
+        }
 }
 
 static gw_plot_place place_of(const canvas *c, const gw_plot_series *series, size_t i) {
@@ -149,8 +181,8 @@ static gw_code put_plot(const gw_plot *plot, const gw_plot_pen *pen, gw_error *e
                 widen(&c.x, plot->series[s].x[i]);
                 widen(&c.y, plot->series[s].y[i]);
             }
-    c.x = round_axis(c.x);
-    c.y = round_axis(c.y);
+    c.x = plot->tight ? loosen_axis(c.x) : round_axis(c.x);
+    c.y = plot->tight ? loosen_axis(c.y) : round_axis(c.y);
     put_grid(&c);
     put_labels(plot, &c);
     for (size_t s = 0; s < plot->series_count && !code; s++)

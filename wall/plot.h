@@ -22,6 +22,7 @@ typedef struct gw_plot {
     const char *title, *x_label, *y_label; /* with units */
     const gw_plot_series *series;
     size_t series_count;
+    int tight; /* axes end a little beyond the points, not at the next powers of ten */
 } gw_plot;
 
 /* The text, for free(). */

@@ -88,7 +88,7 @@ LIBRARIES   = $(LIBRARY_LIBS) -lm -lrt -ldl -lpthread
 LIBRARY_FOLDERS := base tracking build render wall
 SOURCES := $(filter-out wall/main.c,$(wildcard $(addsuffix /*.c,$(LIBRARY_FOLDERS))))
 HEADERS := $(wildcard $(addsuffix /*.h,$(LIBRARY_FOLDERS))) $(wildcard tests/support/*.h)
-EMBEDDED := $(sort $(wildcard shaders/*/*.comp shaders/*/*.vert shaders/*/*.geom shaders/*/*.frag shaders/*/*.glsl shaders/*/*.h configs/tracks/*.vrpn configs/tracks/*.gz configs/sites/*.yaml))
+EMBEDDED := $(sort $(wildcard shaders/*/*.comp shaders/*/*.vert shaders/*/*.geom shaders/*/*.frag shaders/*/*.glsl shaders/*/*.h configs/tracks/*.vrpn configs/tracks/*.gz configs/sites/*.yaml configs/profiles/*.yaml))
 
 OBJECTS := $(SOURCES:%.c=$(TREE)/%.o) $(TREE)/generated/embedded_files.o
 ARCHIVE := $(TREE)/libgazewall.a

@@ -43,7 +43,7 @@ const gw_knob gw_knobs[] = {
     {.name = "edge_depth"},
     {.name = "edge_normal"},
     {.name = "samples", .exact = "16", .quick = 1},
-    {.name = "accumulate", .sweep = "1 4 16"},
+    {.name = "accumulate", .sweep = "1 4 16", .over_time = 1},
     {.name = "strain", .sweep = "1 2 4 8 16", .exact = "1", .model = predicted},
     {.name = "level_blend"},
     {.name = "leaf_blend"},

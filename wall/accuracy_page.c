@@ -206,7 +206,8 @@ static void put_links(FILE *page, const gw_accuracy_scene *scene, size_t number)
     fputs("</nav>\n", page);
     for (size_t c = 0; c < scene->curve_count; c++)
         if (scene->curves[c].idle)
-            fprintf(page, "%s %s", idle++ ? "" : "<p>Without effect in this scene:", scene->curves[c].knob->name);
+            fprintf(page, "%s %s",
+                    idle++ ? "" : "<p>Without effect in this scene:", scene->curves[c].knob->name);
     fputs(idle ? ".</p>\n" : "", page);
 }
 

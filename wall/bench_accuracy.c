@@ -225,6 +225,12 @@ gw_code gw_bench_accuracy(gw_bench *bench, gw_error *error) {
         .bench = bench, .clock = software ? "processor" : "wall", .counted = software || bench->quick};
     gw_code code = check_names(bench, error);
     if (!code)
+        code = gw_accuracy_check_goal(bench, error);
+    if (!code && bench->save_profile && count > 1)
+        code = gw_fail(error, GW_BAD_INPUT, "--save-profile writes one profile: give one scene");
+    if (!code)
+        code = gw_file_writable(bench->save_profile, error);
+    if (!code)
         code = gw_allocate((void **)&accuracy.scenes, count, sizeof *accuracy.scenes, "scenes", error);
     for (size_t i = 0; i < count && !code; i++) {
         const char *path = bench->scene_count ? bench->scenes[i] : bench->draw.scene;

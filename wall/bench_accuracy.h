@@ -69,6 +69,8 @@ void gw_accuracy_sentence(const gw_accuracy_scene *scene, const gw_accuracy_curv
 
 /* --- accuracy_search.c */
 
+/* Whether bench->max_error, max_cost and save_profile make a goal. */
+gw_code gw_accuracy_check_goal(const gw_bench *bench, gw_error *error);
 /* The cheapest settings within bench->max_error, or the best within bench->max_cost; writes
  * bench->save_profile. */
 gw_code gw_accuracy_search(gw_accuracy_scene *scene, gw_ledger *ledger, gw_error *error);

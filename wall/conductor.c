@@ -63,7 +63,7 @@ gw_code gw_conductor_init(gw_conductor *conductor, struct gw_rank *rank, int arg
     }
     if (!code)
         code = open_gate(conductor, rank, error);
-    gw_report_settings(conductor->report, &options->draw.settings);
+    gw_report_settings(conductor->report, &options->draw.settings, &options->draw.profile);
     return code;
 }
 

@@ -204,6 +204,7 @@ gw_code gw_arguments_parse(const struct argp *argp, int argc, char **argv, void 
 enum {
     KEY_SCENE = 0x1000,
     KEY_SET,
+    KEY_PROFILE,
     KEY_TAU,
     KEY_SAMPLES,
     KEY_SEED,
@@ -233,6 +234,12 @@ static const struct argp_option scene_options[] = {
     {"scene", KEY_SCENE, "FILE", 0,
      "model (.gltf .glb .obj .ply .ply.gz .stl .off) or YAML scene; default: the embedded demo scene", 10},
     {"set", KEY_SET, "NAME=VALUE", 0, "any setting, may be repeated; 'gazewall settings' lists them", 10},
+    {"profile", KEY_PROFILE, "FILE", 0,
+     "settings that were found together: draft, show, study, exact, or a file of 'gazewall bench accuracy'; "
+     "what "
+     "comes "
+     "later on the command line holds over it",
+     10},
     {"animation", KEY_ANIMATION, "NAME", 0,
      "the animation of a glTF file that plays, looped: its name, its number from 0, all, or none; default: "
      "the "
@@ -359,6 +366,11 @@ static error_t parse_draw(int key, char *argument, struct argp_state *state) {
         if (code)
             gw_context(error, "--set");
         break;
+    case KEY_PROFILE:
+        code = gw_profile_apply(argument, &options->settings, &options->profile, error);
+        if (code)
+            gw_context(error, "--profile");
+        break;
     case KEY_TAU:
         code = set_by_name(options, "tau", argument);
         break;
@@ -444,6 +456,7 @@ void gw_draw_options_init(gw_draw_options *options, gw_error *error) {
     options->level = GW_LOG_INFO;
     options->cache_limit = (uint64_t)4096 << 20;
     gw_settings_init(&options->settings);
+    gw_profile_init(&options->profile);
 }
 
 char *gw_cache_folder(const gw_draw_options *options) {

@@ -10,6 +10,7 @@
 #include "render/features.h"
 #include "render/frame_state.h"
 #include "render/renderer.h"
+#include "wall/profile.h"
 
 #include <argp.h>
 #include <stdint.h>
@@ -25,6 +26,7 @@ typedef struct gw_draw_options {
     uint64_t cache_limit;  /* bytes that the folder may hold */
     int keeps;             /* the verb keeps octrees unless told otherwise */
     gw_settings settings;
+    gw_profile profile; /* that they started from */
     uint32_t seed;
     double time; /* s */
     gw_debug_view debug;

@@ -87,7 +87,8 @@ static gw_code take_root(const gw_yaml_node *root, gw_settings *settings, gw_pro
     return code ? code : take_settings(assigned, settings, error);
 }
 
-static gw_code take_document(const gw_yaml *document, gw_settings *settings, gw_profile *out, gw_error *error) {
+static gw_code take_document(const gw_yaml *document, gw_settings *settings, gw_profile *out,
+                             gw_error *error) {
     gw_settings taken = *settings;
     gw_profile_init(out);
     gw_code code = take_root(gw_yaml_root(document), &taken, out, error);
@@ -96,8 +97,8 @@ static gw_code take_document(const gw_yaml *document, gw_settings *settings, gw_
     return code;
 }
 
-gw_code gw_profile_parse(const char *text, size_t size, const char *name, gw_settings *settings, gw_profile *out,
-                         gw_error *error) {
+gw_code gw_profile_parse(const char *text, size_t size, const char *name, gw_settings *settings,
+                         gw_profile *out, gw_error *error) {
     gw_yaml *document = NULL;
     gw_code code = gw_yaml_parse(text, size, name, &document, error);
     if (!code)
@@ -118,7 +119,7 @@ gw_code gw_profile_apply(const char *word, gw_settings *settings, gw_profile *ou
         return gw_profile_parse((const char *)embedded->data, embedded->size, word, settings, out, error);
     if (!gw_file_exists(word) && !strchr(word, '/') && !strchr(word, '.'))
         return gw_fail(error, GW_BAD_INPUT,
-                       "--profile '%.80s' is neither a file nor one of draft, show, study and exact", word);
+                       "'%.80s' is neither a file nor one of draft, show, study and exact", word);
     gw_yaml *document = NULL;
     gw_code code = gw_yaml_load(word, &document, error);
     if (!code)
@@ -153,18 +154,18 @@ gw_code gw_profile_write(const char *path, const gw_profile *profile, gw_error *
     put_quoted(file, profile->about);
     fputs("measured_by: ", file);
     put_quoted(file, profile->measured_by);
-    fputs("measured:\n", file);
+    fputs(profile->figure_count ? "measured:\n" : "measured: {}\n", file);
     for (size_t i = 0; i < profile->figure_count; i++)
         fprintf(file, "  %s: %.6g\n", profile->figures[i].name, profile->figures[i].value);
-    fputs(profile->figure_count ? "settings:\n" : "  points: 0\nsettings:\n", file);
+    size_t written = 0;
     for (size_t i = 0; i < gw_setting_count; i++) {
         const gw_setting_row *row = &gw_setting_rows[i];
         char value[64];
         gw_setting_text(&profile->settings, row, value);
         if (row->stage != GW_SETTING_TRACK && gw_setting_value(&profile->settings, row) != row->initial)
-            fprintf(file, "  %s: %s\n", row->name, value);
+            fprintf(file, "%s  %s: %s\n", written++ ? "" : "settings:\n", row->name, value);
     }
-    fprintf(file, "  tau: %.17g\n", profile->settings.tau);
+    fputs(written ? "" : "settings: {}\n", file);
     fclose(file);
     gw_code code = gw_file_write(path, text, size, error);
     free(text);

@@ -14,7 +14,7 @@
 enum { GW_PROFILE_FIGURES = 16 };
 
 typedef struct gw_profile {
-    char name[64]; /* "default": the table's own settings, of no profile */
+    char name[64];  /* "default": the table's own settings, of no profile */
     char file[256]; /* "": inside the program, or no profile */
     char about[512];
     char measured_by[512]; /* the command */
@@ -31,8 +31,8 @@ void gw_profile_init(gw_profile *profile);
 /* Takes word, a file or a name, and sets what it says, leaving other settings as they stand. */
 gw_code gw_profile_apply(const char *word, gw_settings *settings, gw_profile *out, gw_error *error);
 /* The same from the text of a file. */
-gw_code gw_profile_parse(const char *text, size_t size, const char *name, gw_settings *settings, gw_profile *out,
-                         gw_error *error);
+gw_code gw_profile_parse(const char *text, size_t size, const char *name, gw_settings *settings,
+                         gw_profile *out, gw_error *error);
 
 /* Writes settings as a profile: all rows but those of trackers that differ from the table's. */
 gw_code gw_profile_write(const char *path, const gw_profile *profile, gw_error *error);

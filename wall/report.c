@@ -167,7 +167,7 @@ void gw_report_builders(json_t *report, const gw_together *who) {
     json_object_set_new(build, "parts", parts);
 }
 
-void gw_report_settings(json_t *report, const gw_settings *settings) {
+void gw_report_settings(json_t *report, const gw_settings *settings, const gw_profile *profile) {
     json_t *object = json_object();
     for (size_t i = 0; i < gw_setting_count; i++) {
         const gw_setting_row *row = &gw_setting_rows[i];
@@ -182,6 +182,7 @@ void gw_report_settings(json_t *report, const gw_settings *settings) {
         json_object_set_new(object, row->name, entry);
     }
     json_object_set_new(report, "settings", object);
+    json_object_set_new(report, "profile", gw_profile_json(profile, settings));
 }
 
 void gw_report_counters(json_t *report, const gw_counters *c) {

@@ -16,6 +16,7 @@
 #include "tracking/server.h"
 #include "wall/build_together.h"
 #include "wall/layout.h"
+#include "wall/profile.h"
 #include "wall/site.h"
 #include "wall/swap_skew.h"
 
@@ -35,7 +36,8 @@ void gw_report_octree(json_t *report, const gw_octree *octree, const gw_scene *s
 void gw_report_builders(json_t *report, const gw_together *who);
 /* Bytes of the scene's triangles on the GPU: for intersection, for shading, and their vertices. */
 uint64_t gw_triangle_bytes(const gw_scene *scene);
-void gw_report_settings(json_t *report, const gw_settings *settings);
+/* The settings, and the profile that they started from. */
+void gw_report_settings(json_t *report, const gw_settings *settings, const gw_profile *profile);
 void gw_report_counters(json_t *report, const gw_counters *counters);
 /* What was predicted over the run, the knobs in force in its last frame, and the budget (taken; may be null).
  */

@@ -345,7 +345,7 @@ static gw_code prepare(bench_options *o, int argc, char **argv, gw_error *error)
     if (!code && o->kind->needs == NEEDS_SCENE)
         code = gw_model_import(model, &bench->draw, &bench->console.log, error);
     if (!code && o->kind->needs == NEEDS_NO_DEVICE) {
-        gw_report_settings(bench->report, &bench->draw.settings);
+        gw_report_settings(bench->report, &bench->draw.settings, &bench->draw.profile);
         return GW_OK;
     }
     if (!code && o->kind->needs != NEEDS_OCTREE)
@@ -354,7 +354,7 @@ static gw_code prepare(bench_options *o, int argc, char **argv, gw_error *error)
         return code;
     const gw_gl_limits *limits = gw_gl_limits_of(model->device);
     gw_report_device(bench->report, limits);
-    gw_report_settings(bench->report, &bench->draw.settings);
+    gw_report_settings(bench->report, &bench->draw.settings, &bench->draw.profile);
     if (model->scene)
         gw_report_scene(bench->report, model->scene, model->import_ms);
     if (model->octree)

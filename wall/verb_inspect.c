@@ -294,7 +294,7 @@ static void fill_report(const gw_model *model, const inspect_options *o, const g
     gw_report_device(report, limits);
     gw_report_scene(report, model->scene, model->import_ms);
     gw_report_octree(report, model->octree, model->scene, limits, model->build_ms, model->from_cache);
-    gw_report_settings(report, &o->draw.settings);
+    gw_report_settings(report, &o->draw.settings, &o->draw.profile);
     gw_inspect_report_json(inspected, model, report);
     json_object_set_new(json_object_get(report, "octree"), "validated",
                         o->validate ? json_true() : json_null());

@@ -386,7 +386,7 @@ static gw_code fill_report(render *r, gw_error *error) {
     gw_report_scene(r->report, r->model.scene, r->model.import_ms);
     gw_report_octree(r->report, r->model.octree, r->model.scene, limits, r->model.build_ms,
                      r->model.from_cache);
-    gw_report_settings(r->report, &r->options.draw.settings);
+    gw_report_settings(r->report, &r->options.draw.settings, &r->options.draw.profile);
     gw_report_tiles(r->report, &r->view.layout, &whole);
     gw_report_frames(r->report, &r->milliseconds, 1, 1);
     gw_report_counters(r->report, &r->counters);

@@ -51,6 +51,8 @@ static void sections_are_filled(void **state) {
     gw_recording track = {.name = path, .duration = 2000000000, .damage = {1, 24, 1, "cut"}};
     gw_settings settings;
     gw_settings_init(&settings);
+    gw_profile profile;
+    gw_profile_init(&profile);
     gw_layout layout = {.tile_count = 2};
     const gw_tile_record tiles[] = {
         {.state = "live"},
@@ -62,7 +64,7 @@ static void sections_are_filled(void **state) {
     gw_report_device(report, &limits);
     gw_report_scene(report, &scene, 12.5);
     gw_report_octree(report, &octree, &scene, &limits, 3.5, 0);
-    gw_report_settings(report, &settings);
+    gw_report_settings(report, &settings, &profile);
     gw_report_counters(report, &counters);
     gw_report_recording(report, &track, NULL);
     gw_report_tiles(report, &layout, tiles);

@@ -28,7 +28,7 @@ typedef struct gw_knob {
     double age;        /* s, of the gaze in its frames */
     const char *model; /* what predicts its error, or NULL */
     gw_knob_reference reference;
-    int over_time; /* 1: it acts over several frames, so that one frame does not tell its price */
+    int over_time; /* 1: its worth lies in what moves, eyes or pictures, which a still frame does not tell */
     int quick;     /* 1: it is part of a quick ledger */
 } gw_knob;
 

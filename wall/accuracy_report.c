@@ -143,6 +143,8 @@ gw_code gw_accuracy_write(const gw_accuracy *accuracy, gw_error *error) {
     for (size_t s = 0; s < accuracy->scene_count && !code; s++) {
         const gw_accuracy_scene *scene = &accuracy->scenes[s];
         code = write_plot(accuracy->bench, scene, NULL, error);
+        if (!code)
+            code = gw_accuracy_sheet(accuracy, scene, error);
         for (size_t c = 0; c < scene->curve_count && !code; c++)
             if (!scene->curves[c].idle)
                 code = write_plot(accuracy->bench, scene, &scene->curves[c], error);

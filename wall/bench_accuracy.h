@@ -1,5 +1,6 @@
 /* What the parts of `bench accuracy` share: sweeping (bench_accuracy.c), judging (accuracy_judge.c),
- * searching (accuracy_search.c) and telling (accuracy_report.c, accuracy_page.c). */
+ * searching (accuracy_search.c) and telling (accuracy_report.c, accuracy_plot.c, accuracy_page.c,
+ * accuracy_sheet.c). */
 #ifndef GW_WALL_BENCH_ACCURACY_H
 #define GW_WALL_BENCH_ACCURACY_H
 
@@ -75,10 +76,12 @@ gw_code gw_accuracy_check_goal(const gw_bench *bench, gw_error *error);
  * bench->save_profile. */
 gw_code gw_accuracy_search(gw_accuracy_scene *scene, gw_ledger *ledger, gw_error *error);
 
-/* --- accuracy_report.c and accuracy_page.c */
+/* --- accuracy_report.c, accuracy_sheet.c, accuracy_page.c, accuracy_plot.c */
 
 /* CSV, JSON, plots. */
 gw_code gw_accuracy_write(const gw_accuracy *accuracy, gw_error *error);
+/* A page of Markdown and a picture of one scene, into its folder. */
+gw_code gw_accuracy_sheet(const gw_accuracy *accuracy, const gw_accuracy_scene *scene, gw_error *error);
 gw_code gw_accuracy_page(const gw_accuracy *accuracy, gw_error *error);
 void gw_accuracy_print(const gw_accuracy *accuracy);
 

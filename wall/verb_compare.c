@@ -254,7 +254,7 @@ static gw_code run_compare(gw_compare *c, gw_error *error) {
     if (!code && c->csv)
         code = gw_file_write(c->csv, text, size, error);
     if (!code && c->draw.report) {
-        gw_report_settings(c->report, &c->draw.settings);
+        gw_report_settings(c->report, &c->draw.settings, &c->draw.profile);
         json_object_set_new(c->report, "metrics", metrics_json(&metrics));
         code = gw_report_write(c->report, c->draw.report, error);
     }

@@ -6,12 +6,14 @@
 #include "base/clock.h"
 #include "base/memory.h"
 #include "build/import.h"
+#include "wall/cost_model.h"
 #include "wall/frames.h"
 #include "wall/report.h"
 #include "wall/rock.h"
 #include "wall/sim_options.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -170,6 +172,43 @@ static void name_model(const residents *r, size_t index, char name[64]) {
         snprintf(name, 64, "rock %zu", index);
 }
 
+/* The model of bytes beside what is there; textures are what they are. Every model is judged by one that is
+ * fitted to the others. */
+static gw_code judge_bytes(const residents *r, json_t **out, gw_error *error) {
+    gw_cost_model fitted;
+    gw_cost_sample *samples = NULL;
+    double worst = 1;
+    int flagged = 0;
+    char text[240];
+    gw_code code = gw_allocate((void **)&samples, r->count, sizeof *samples, "bytes of models", error);
+    for (size_t i = 0; i < r->count && !code; i++) {
+        const resident *m = &r->models[i];
+        samples[i] =
+            gw_cost_of_memory(m->octree, m->scene, (uint64_t)r->rectangle.width * r->rectangle.height,
+                              sum_of(&m->parts) - m->parts.textures);
+    }
+    if (!code)
+        code = gw_cost_fit(GW_COST_MEMORY, samples, r->count, &fitted, error);
+    for (size_t i = 0; i < r->count && !code; i++) {
+        gw_cost_verdict verdict;
+        code = gw_cost_judge_left_out(GW_COST_MEMORY, samples, r->count, i, &verdict, error);
+        flagged += verdict.flagged;
+        if (fabs(log(verdict.ratio)) > fabs(log(worst)))
+            worst = verdict.ratio;
+    }
+    free(samples);
+    if (code)
+        return code;
+    gw_cost_describe(&fitted, text, sizeof text);
+    if (!r->bench->draw.quiet)
+        printf("bytes by the model: %s; predicted from the others, at worst %.2f of what is there%s\n", text,
+               worst, flagged ? ": OFF by more than a factor 3" : "");
+    *out = gw_cost_report(&fitted);
+    json_object_set_new(*out, "worst", json_real(worst));
+    json_object_set_new(*out, "flagged", json_integer(flagged));
+    return GW_OK;
+}
+
 static gw_code tell(const residents *r, gw_error *error) {
     const gw_bench *bench = r->bench;
     char *text = NULL, name[64], digits[33];
@@ -207,7 +246,11 @@ static gw_code tell(const residents *r, gw_error *error) {
                         json_pack("{s:s, s:i, s:o, s:o}", "name", "resident", "depth",
                                   (int)r->settings.octree_depth, "models", models, "all",
                                   row_of(name, triangles, &total)));
-    gw_code code = gw_bench_write(bench, "resident", text, size, error);
+    json_t *bytes = NULL;
+    gw_code code = r->count > 1 ? judge_bytes(r, &bytes, error) : GW_OK;
+    json_object_set_new(json_object_get(bench->report, "bench"), "model", bytes ? bytes : json_null());
+    if (!code)
+        code = gw_bench_write(bench, "resident", text, size, error);
     free(text);
     return code;
 }

@@ -62,6 +62,8 @@ expect "a scene for growth" 2 "makes its own scenes" bench growth --scene a.obj
 
 # --- resident: every model has the picture that it has alone
 expect "four rocks at once" 0 "all 4" bench resident --quick --out "$folder/results"
+is "their bytes are those of the model" "$(json "$folder/results/resident.json" \
+    '["bench"]["model"]["flagged"] == 0 and 0.9 < d["bench"]["model"]["worst"] < 1.1')" True
 is "a header, four rows and their sum" "$(wc -l <"$folder/results/resident.csv")" 6
 is "bytes add up" "$(awk -F, 'NR > 1 && NR < 6 { sum += $3 + $4 + $5 + $6 + $7 + $8 + $9 }
     NR == 6 { print sum - $3 - $4 - $5 - $6 - $7 - $8 - $9 }' "$folder/results/resident.csv")" 0

@@ -48,6 +48,7 @@ enum { GW_MOST_FEATURES = 64 };
 #define GW_FEATURE_EMISSIVE_LIGHTS GW_FEATURE_BIT(28) /* what emits light lights other things */
 #define GW_FEATURE_SPECULAR_MAPS GW_FEATURE_BIT(30)
 #define GW_FEATURE_TRANSMISSION_MAPS GW_FEATURE_BIT(31)
+#define GW_FEATURE_GLOSSY GW_FEATURE_BIT(32)       /* nearly smooth surfaces reflect */
 #define GW_FEATURE_TRANSMISSION GW_FEATURE_BIT(33) /* light passes surfaces and is bent */
 #define GW_FEATURE_ABSORPTION GW_FEATURE_BIT(34)   /* media take some of it on its way */
 #define GW_FEATURE_TONE GW_FEATURE_BIT(40)         /* a curve other than linear */
@@ -60,7 +61,8 @@ enum { GW_MOST_FEATURES = 64 };
 
 /* What makes fragments ask for secondary rays. */
 #define GW_CONE_FEATURES (GW_FEATURE_OCCLUSION | GW_FEATURE_DIFFUSE)
-#define GW_SECONDARY_FEATURES (GW_FEATURE_MIRROR | GW_FEATURE_TRANSMISSION | GW_CONE_FEATURES)
+#define GW_SECONDARY_FEATURES                                                                                \
+    (GW_FEATURE_MIRROR | GW_FEATURE_GLOSSY | GW_FEATURE_TRANSMISSION | GW_CONE_FEATURES)
 
 /* What frames decide, not the scene. */
 #define GW_FRAME_FEATURES                                                                                    \
@@ -102,6 +104,9 @@ gw_code gw_feature_of_name(const char *name, gw_features *bit, gw_error *error);
 /* mirror_roughness: up to which metal is a mirror. */
 gw_features gw_features_of_material(const gw_material *material, float mirror_roughness);
 gw_features gw_features_of_scene(const gw_scene *scene, const gw_octree *octree, float mirror_roughness);
+/* 1 if a material in use is smoother than glossy_roughness, lit, no mirror and no glass, and the scene has
+ * any light to reflect. What a map of roughness says is not looked at: it may be smooth anywhere. */
+int gw_calls_for_gloss(const gw_scene *scene, float mirror_roughness, float glossy_roughness);
 /* viewers: gazes that are usable, which may be fewer than state->gaze_count. */
 gw_features gw_features_of_frame(const gw_frame_state *state, uint32_t viewers, gw_features scene_features);
 

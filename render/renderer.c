@@ -45,6 +45,8 @@ gw_light_knobs gw_renderer_light_knobs(const gw_renderer *renderer, const gw_fra
 gw_code gw_renderer_take_features(gw_renderer *renderer, gw_error *error) {
     gw_features called_for =
         gw_features_of_scene(renderer->scene, renderer->octree, renderer->mirror_roughness);
+    if (gw_calls_for_gloss(renderer->scene, renderer->mirror_roughness, renderer->glossy_roughness))
+        called_for |= GW_FEATURE_GLOSSY;
     if (renderer->buffers.environment_count > 0)
         called_for |= GW_FEATURE_DIRECTIONAL_LIGHTS | GW_FEATURE_SHADOWS;
     if (renderer->buffers.list.wide)
@@ -102,6 +104,7 @@ gw_code gw_renderer_create(gw_gl *device, const gw_scene *scene, const gw_octree
     gw_frame_state state = {0};
     gw_frame_state_apply(&state, &settings);
     renderer->mirror_roughness = state.mirror_roughness;
+    renderer->glossy_roughness = (float)state.glossy_roughness * (1.0f / 255.0f);
     renderer->light_knobs = gw_renderer_light_knobs(renderer, &state);
     if (!code && scene->animation && options->settings)
         code = gw_moving_create(device, scene, options->settings, options->log, &renderer->moving, error);
@@ -367,6 +370,7 @@ void gw_counters_add(gw_counters *to, const gw_counters *from) {
     to->step_cap_hits += from->step_cap_hits;
     to->nan_pixels += from->nan_pixels;
     to->mirror_rays += from->mirror_rays;
+    to->glossy_rays += from->glossy_rays;
     to->refracted_rays += from->refracted_rays;
     to->cone_rays += from->cone_rays;
     to->shadow_rays += from->shadow_rays;

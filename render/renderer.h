@@ -37,6 +37,7 @@ typedef struct gw_counters {
     uint64_t step_cap_hits;   /* rays that the driver cut off: must stay 0; always counted */
     uint64_t nan_pixels;      /* pixels replaced by the background; always counted */
     uint64_t mirror_rays;     /* reflected; as shadow_rays */
+    uint64_t glossy_rays;     /* reflected by what is no mirror; as shadow_rays */
     uint64_t refracted_rays;  /* that went through something; as shadow_rays */
     uint64_t cone_rays;       /* of occlusion and the diffuse bounce; as shadow_rays */
     uint64_t shadow_rays;     /* always counted; their steps and tests are in the numbers above */

@@ -128,6 +128,7 @@ static void lend_scene(const gw_renderer *from, gw_background *b) {
     to->loop_budget = from->loop_budget;
     to->scene_features = from->scene_features;
     to->mirror_roughness = from->mirror_roughness;
+    to->glossy_roughness = from->glossy_roughness;
     to->light_knobs = from->light_knobs;
     to->forced_features = from->forced_features;
     to->forbidden_features = from->forbidden_features;

@@ -14,6 +14,7 @@ static const struct {
     int counting; /* 1: only where work is counted */
 } own_counters[] = {{GW_FEATURE_SHADOWS, offsetof(gw_counters, shadow_rays), 0},
                     {GW_FEATURE_MIRROR, offsetof(gw_counters, mirror_rays), 0},
+                    {GW_FEATURE_GLOSSY, offsetof(gw_counters, glossy_rays), 0},
                     {GW_FEATURE_TRANSMISSION, offsetof(gw_counters, refracted_rays), 0},
                     {GW_FEATURE_OCCLUSION, offsetof(gw_counters, cone_rays), 0},
                     {GW_FEATURE_DIFFUSE, offsetof(gw_counters, cone_rays), 0}, /* the same cones */
@@ -24,7 +25,8 @@ static uint64_t own_count(size_t row, const gw_counters *counters) {
 }
 
 uint64_t gw_secondary_rays(const gw_counters *counters) {
-    return counters->shadow_rays + counters->mirror_rays + counters->refracted_rays + counters->cone_rays;
+    return counters->shadow_rays + counters->mirror_rays + counters->glossy_rays + counters->refracted_rays +
+           counters->cone_rays;
 }
 
 static const size_t tail_begin = GW_TOTAL_WORDS * sizeof(uint32_t);

@@ -186,8 +186,11 @@ static gw_code begin_frame(gw_frame_job *job, const gw_similarity *placement, co
     gw_code code = move_scene(renderer, state->time, error);
     if (!code)
         code = light_scene(renderer, state, error);
-    if (!code && renderer->mirror_roughness != state->mirror_roughness) {
+    const float glossy = (float)state->glossy_roughness * (1.0f / 255.0f);
+    if (!code &&
+        (renderer->mirror_roughness != state->mirror_roughness || renderer->glossy_roughness != glossy)) {
         renderer->mirror_roughness = state->mirror_roughness;
+        renderer->glossy_roughness = glossy;
         code = gw_renderer_take_features(renderer, error);
     }
     if (!code)
@@ -203,6 +206,7 @@ static gw_code begin_frame(gw_frame_job *job, const gw_similarity *placement, co
     job->block.environment[0] = environment->rotation;
     job->block.environment[1] = (float)(environment->height / GW_PI);
     job->block.environment[2] = environment->seen ? 1.0f : 0.0f;
+    job->block.environment[3] = renderer->scene_features & GW_FEATURE_GLOSSY ? glossy : 0.0f;
     memcpy(job->block.environment_mean, environment->mean, sizeof environment->mean);
     job->block.environment_mean[3] =
         renderer->buffers.list.emissive > 0 ? fmaxf(state->emissive_faintest, 1e-30f) : 0.0f;

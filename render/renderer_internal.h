@@ -135,8 +135,8 @@ struct gw_renderer {
     uint32_t loop_budget;
     uint32_t loop_iterations;   /* the most of a ray in a dispatch since the frame or the tracing began */
     gw_features scene_features; /* but for the forbidden ones */
-    float mirror_roughness;     /* that they were taken with */
-    gw_light_knobs light_knobs; /* that the scene's lights were made with */
+    float mirror_roughness, glossy_roughness; /* that they were taken with */
+    gw_light_knobs light_knobs;               /* that the scene's lights were made with */
     gw_features forced_features, forbidden_features;
     gw_features last_features; /* of the last frame, for the report */
     int has_drawn;             /* there was one */

@@ -32,10 +32,13 @@ uint64_t gw_secondary_ray_bytes(uint32_t fragments, uint32_t cones) {
 
 /* What kernels of secondary rays must know of the rays that ask for them. */
 static gw_kernel_key key_of(const gw_frame_job *job) {
-    const gw_features features = GW_SECONDARY_FEATURES | GW_FEATURE_LOD | GW_FEATURE_GAZE |
-                                 GW_FEATURE_SPARSE | GW_FEATURE_SMOOTH_NORMALS | GW_FEATURE_NORMAL_MAPS |
-                                 GW_FEATURE_MAP_PLACEMENT | GW_FEATURE_SQUARE_TEXELS |
-                                 GW_FEATURE_TRANSMISSION_MAPS;
+    const gw_features all = GW_SECONDARY_FEATURES | GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_SPARSE |
+                            GW_FEATURE_SMOOTH_NORMALS | GW_FEATURE_NORMAL_MAPS | GW_FEATURE_MATERIAL_MAPS |
+                            GW_FEATURE_MAP_PLACEMENT | GW_FEATURE_SQUARE_TEXELS |
+                            GW_FEATURE_TRANSMISSION_MAPS;
+    const gw_features of_gloss =
+        GW_FEATURE_SPECULAR | GW_FEATURE_CLEARCOAT | GW_FEATURE_SHEEN | GW_FEATURE_UNLIT;
+    const gw_features features = all | (job->key.features & GW_FEATURE_GLOSSY ? of_gloss : 0);
     return (gw_kernel_key){.features = job->key.features & features,
                            .depth = job->key.depth,
                            .data_classes = job->key.data_classes,
@@ -76,7 +79,9 @@ static gw_code list_requests(gw_frame_job *job, gw_secondary_buffers *to, size_t
         *count = totals[3];
         job->counters.refracted_rays += totals[GW_TOTAL_REFRACTED];
         job->counters.cone_rays += totals[GW_TOTAL_CONES];
-        job->counters.mirror_rays += totals[3] - totals[GW_TOTAL_REFRACTED] - totals[GW_TOTAL_CONES];
+        job->counters.glossy_rays += totals[GW_TOTAL_GLOSSY];
+        job->counters.mirror_rays +=
+            totals[3] - totals[GW_TOTAL_REFRACTED] - totals[GW_TOTAL_CONES] - totals[GW_TOTAL_GLOSSY];
     }
     return code;
 }

@@ -78,6 +78,7 @@ static const byte_field byte_fields[] = {
     {"environment_lights", offsetof(gw_frame_state, environment_lights), 64},
     {"emissive_lights", offsetof(gw_frame_state, emissive_lights), 64},
     {"bounces", offsetof(gw_frame_state, bounces), 8},
+    {"glossy_roughness", offsetof(gw_frame_state, glossy_roughness), UINT8_MAX},
 };
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))

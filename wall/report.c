@@ -186,16 +186,16 @@ void gw_report_settings(json_t *report, const gw_settings *settings, const gw_pr
 }
 
 void gw_report_counters(json_t *report, const gw_counters *c) {
-    json_object_set_new(report, "counters",
-                        json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}",
-                                  "rays", count(c->rays), "steps", count(c->steps), "node_loads",
-                                  count(c->node_loads), "triangle_tests", count(c->triangle_tests),
-                                  "step_cap_hits", count(c->step_cap_hits), "nan_pixels",
-                                  count(c->nan_pixels), "voxels", count(c->voxels), "voxel_rays",
-                                  count(c->voxel_rays), "shadow_rays", count(c->shadow_rays), "mirror_rays",
-                                  count(c->mirror_rays), "refracted_rays", count(c->refracted_rays),
-                                  "cone_rays", count(c->cone_rays), "resumed", count(c->resumed),
-                                  "loop_iterations", count(c->loop_iterations)));
+    json_object_set_new(
+        report, "counters",
+        json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "rays",
+                  count(c->rays), "steps", count(c->steps), "node_loads", count(c->node_loads),
+                  "triangle_tests", count(c->triangle_tests), "step_cap_hits", count(c->step_cap_hits),
+                  "nan_pixels", count(c->nan_pixels), "voxels", count(c->voxels), "voxel_rays",
+                  count(c->voxel_rays), "shadow_rays", count(c->shadow_rays), "mirror_rays",
+                  count(c->mirror_rays), "glossy_rays", count(c->glossy_rays), "refracted_rays",
+                  count(c->refracted_rays), "cone_rays", count(c->cone_rays), "resumed", count(c->resumed),
+                  "loop_iterations", count(c->loop_iterations)));
 }
 
 void gw_report_predicted_error(json_t *report, const gw_predicted_error *predicted,

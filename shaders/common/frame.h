@@ -32,7 +32,7 @@ GW_VEC4(accuracy);   // tau, tau_inside, gaze_blend deg, gaze_margin deg
 GW_VEC4(acuity);     // slope, smallest period deg, voxel_slab, voxel_flatness
 GW_VEC4(background); // linear radiance; w: least_remainder
 GW_VEC4(ambient);    // linear irradiance; w: fold_agreement
-GW_VEC4(environment); // turns by which it is rotated, texels per radian, 1 where there is one
+GW_VEC4(environment); // turns by which it is rotated, texels per radian, 1 where there is one, glossy_roughness or 0
 GW_VEC4(environment_mean); // irradiance over pi, mean over all directions, of what no light stands for; w: radiance from which on
                            // lights stand for what surfaces emit, 0: they do not
 GW_VEC4(secondary);  // shadow_tau, mirror_roughness, near_light, least_throughput
@@ -178,7 +178,9 @@ GW_STRUCT_END(gw_emissive_slot)
 // A secondary ray, rows of 16 bytes: origin and footprint there; unit direction and growth of the footprint per unit; tau, below
 // 0 for padding, the distance up to which only triangles count, the largest share of a pixel that depends on it, 0 if it may not ask
 // for more, and for cones the length up to which anything counts, below 0 if what they meet need not be lit; with TRANSMISSION the
-// media that it is in (shade/media.glsl), the triangle that it comes through or GW_NO_TRIANGLE, and 0. All as the bits of words.
+// media that it is in (shade/media.glsl), the triangle that it comes through or GW_NO_TRIANGLE; with GLOSSY what its pixel draws lobes
+// by, and GW_GLOSSY_RAY. All as the bits of words.
+#define GW_GLOSSY_RAY 0x80000000u // what of it meets nothing is asked elsewhere
 #define GW_SECONDARY_ROWS 4u
 // Which rays a fragment asks for: the number of the first in bits 0-27, a bit of GW_RAY_ for each kind in bits 28-31; its rays
 // are numbered kind by kind. What they bring stands by number: radiance, and what of the ray met nothing.
@@ -207,5 +209,6 @@ GW_STRUCT_END(gw_emissive_slot)
 #define GW_TOTAL_ITERATIONS 4
 #define GW_TOTAL_REFRACTED 5 // secondary rays that go through something
 #define GW_TOTAL_CONES 6     // secondary rays that are cones
-#define GW_TOTAL_WORDS 7
+#define GW_TOTAL_GLOSSY 7 // that what is no mirror reflects
+#define GW_TOTAL_WORDS 8
 #endif

@@ -1,17 +1,7 @@
 // A cone about the normal that asks how much of it is covered, and by what: a ray whose footprint grows as fast as it may without
 // meeting the plane that it leaves. A voxel that stands for its contents is up to twice as wide as the footprint, and a plane with the
 // normal n lies in voxels of side v up to v (|nx| + |ny| + |nz|) above it; half of the ray's own height is left for what bends. Needs
-// shade/secondary_ray.glsl before it.
-
-// Directions across n, which turn with it but where its largest component is another one.
-mat3 frame_about(vec3 n) {
-    vec3 size = abs(n);
-    vec3 axis = size.x >= size.y && size.x >= size.z ? vec3(0.0, 1.0, 0.0) : size.y >= size.z ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0);
-    precise vec3 across = cross(axis, n);
-    across /= max(length_precise(across), 1e-6);
-    precise vec3 other = cross(n, across);
-    return mat3(across, other, n);
-}
+// shade/secondary_ray.glsl and shade/frame_about.glsl before it.
 
 // How much of its height above the plane that it leaves a ray may be wide, twice over and in the plane's extent: a voxel up to twice as
 // wide as the footprint reaches half of the height, and the other half is left for what bends. Wider covers flat surfaces by themselves.

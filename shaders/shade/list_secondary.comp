@@ -4,6 +4,7 @@
 // variants: OCTREE_DEPTH=11 SECONDARY=1 TRANSMISSION=1 TRANSMISSION_MAPS=1 MAP_PLACEMENT=1 DATA_CLASSES=1
 // variants: OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1; OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 LOD=1 GAZE=1 SPARSE=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 REFLECTED=1 LOD=1 RESUME=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 SECONDARY=1 GLOSSY=1; OCTREE_DEPTH=11 SECONDARY=1 GLOSSY=1 MIRROR=1 TRANSMISSION=1 REFLECTED=1 LOD=1 RESUME=1 CLEARCOAT=1 SHEEN=1 SPECULAR=1 UNLIT=1 MATERIAL_MAPS=1 DATA_CLASSES=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 SECONDARY=1 CONES=1 OCCLUSION=1 LOD=1 FRAGMENTS=8u; OCTREE_DEPTH=11 SECONDARY=1 CONES=1 DIFFUSE=1 MIRROR=1 MATERIAL_MAPS=1
 #ifndef OCTREE_DEPTH
 #define OCTREE_DEPTH 11
@@ -53,14 +54,14 @@ void main() {
     media_of[slot] = media;
 #endif
 #endif
+#ifndef TRANSMISSION
+    const uvec2 media = uvec2(0u);
+#endif
     uint count = GW_STATUS_COUNT(status.x);
     for (uint i = 0u; i < count; ++i) {
         uint fragment = slot * FRAGMENTS + i, word = fragment * GW_FRAGMENT_WORDS;
-#ifdef TRANSMISSION
-        uint kinds = kinds_asked(ray, fragments[word], uintBitsToFloat(fragments[word + 1u]), uintBitsToFloat(fragments[word + 2u]), media);
-#else
-        uint kinds = kinds_asked(ray, fragments[word], uintBitsToFloat(fragments[word + 2u]));
-#endif
+        float t = uintBitsToFloat(fragments[word + 1u]), weight = uintBitsToFloat(fragments[word + 2u]);
+        uint kinds = kinds_asked(ray, fragments[word], t, weight, media);
         uint rays = rays_of(kinds), first = 0u;
         if (rays > 0u)
             first = atomicAdd(totals[3], rays);
@@ -71,6 +72,10 @@ void main() {
 #ifdef CONES
         if ((kinds & GW_RAY_CONES) != 0u)
             atomicAdd(totals[GW_TOTAL_CONES], frame.sampling.z);
+#endif
+#ifdef GLOSSY
+        if ((kinds & GW_RAY_REFLECTED) != 0u && reflects_as_gloss(fragments[word]))
+            atomicAdd(totals[GW_TOTAL_GLOSSY], 1u);
 #endif
         for (uint which = 0u; which < rays; ++which)
             requests[first + which] = GW_REQUEST(fragment, which);

@@ -11,10 +11,8 @@ float reflectance_of(Met met) {
     return reflectance;
 }
 
-Secondary_ray reflected_ray(Met met) {
-    precise vec3 reflected = met.direction - met.normal * (2.0 * dot(met.direction, met.normal));
-    precise vec3 flat_one = met.direction - met.start.normal * (2.0 * dot(met.direction, met.start.normal));
-    reflected = dot(reflected, met.start.normal) > 0.0 ? reflected : flat_one;
+// Along a unit direction above the surface.
+Secondary_ray reflected_along(Met met, vec3 reflected) {
     float turn = turn_over(met);
     precise float growth = met.growth + 2.0 * min(turn, 1.0);
     float accepted = met.ray.tau * met.width;
@@ -32,4 +30,11 @@ Secondary_ray reflected_ray(Met met) {
     next.skipped = GW_NO_TRIANGLE;
 #endif
     return next;
+}
+
+Secondary_ray reflected_ray(Met met) {
+    precise vec3 reflected = met.direction - met.normal * (2.0 * dot(met.direction, met.normal));
+    precise vec3 flat_one = met.direction - met.start.normal * (2.0 * dot(met.direction, met.start.normal));
+    reflected = dot(reflected, met.start.normal) > 0.0 ? reflected : flat_one;
+    return reflected_along(met, reflected);
 }

@@ -7,6 +7,9 @@
 // Numbers of rays depend on atomics, what they bring does not: nothing else may be made of a number. Needs shade/surface.glsl
 // and trace/pixel.glsl before it.
 #include "shade/mirror_share.glsl"
+#ifdef GLOSSY
+#include "shade/glossy_share.glsl"
+#endif
 
 // What share of a pixel depends on a fragment of that weight, at most.
 float throughput_of(Pixel_ray ray, float weight) {
@@ -53,7 +56,7 @@ uvec2 media_of_start(uint slot) {
 #endif
 }
 
-uint kinds_asked(Pixel_ray ray, uint id, float t, float weight, uvec2 media) {
+uint refraction_asked(Pixel_ray ray, uint id, float t, float weight, uvec2 media) {
     uint kinds = 0u;
     bool voxel = (id & GW_FRAGMENT_VOXEL) != 0u;
     Surface surface = surface_of_triangle(voxel ? 0u : id, t, ray.origin, ray.direction, footprint_at(ray, t));
@@ -62,9 +65,24 @@ uint kinds_asked(Pixel_ray ray, uint id, float t, float weight, uvec2 media) {
     bool counts = optics.sheer && !optics.passed;
     kinds |= counts && worth_asking(ray, throughput * optics.reflectance) ? GW_RAY_REFLECTED : 0u;
     kinds |= counts && worth_asking(ray, throughput * (1.0 - optics.reflectance) * optics.share) ? GW_RAY_REFRACTED : 0u;
-#else
-uint kinds_asked(Pixel_ray ray, uint id, float weight) {
+    return kinds;
+}
+#endif
+
+#ifdef GLOSSY
+bool gloss_asked(Pixel_ray ray, uint id, float t, float weight) {
+    return worth_asking(ray, throughput_of(ray, weight) * gloss_at(ray, id, t).part);
+}
+#endif
+
+// media: that the ray is in where it meets this, with TRANSMISSION.
+uint kinds_asked(Pixel_ray ray, uint id, float t, float weight, uvec2 media) {
     uint kinds = 0u;
+#ifdef TRANSMISSION
+    kinds |= refraction_asked(ray, id, t, weight, media);
+#endif
+#ifdef GLOSSY
+    kinds |= gloss_asked(ray, id, t, weight) ? GW_RAY_REFLECTED : 0u;
 #endif
 #ifdef MIRROR
     kinds |= worth_asking(ray, throughput_of(ray, weight) * mirror_share(id)) ? GW_RAY_REFLECTED : 0u;

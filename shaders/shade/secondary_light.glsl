@@ -17,6 +17,18 @@ vec3 with_reflected(vec3 lit, Surface surface, vec3 view, uint id, uint asked) {
 }
 #endif
 
+#ifdef GLOSSY
+// What stands round a nearly smooth surface, in place of the light from everywhere that it keeps away.
+vec3 with_glossy(vec3 lit, Surface surface, vec3 view, uint id, uint asked) {
+    bool none = (GW_ASKED_KINDS(asked) & GW_RAY_REFLECTED) == 0u;
+    vec4 brought = radiance_of[none ? 0u : GW_ASKED_FIRST(asked)];
+    float roughness, share = glossy_share(id, surface, roughness);
+    precise vec3 changed = brought.rgb + (brought.w - 1.0) * radiance_around(surface, view);
+    precise vec3 added = lit + share * environment_specular(surface, view) * changed;
+    return none || share <= 0.0 ? lit : added;
+}
+#endif
+
 #ifdef TRANSMISSION
 // The light from everywhere, from straight on over a wide cone.
 vec3 radiance_beyond(vec3 view) {
@@ -72,6 +84,9 @@ vec3 with_secondary(vec3 lit, Surface surface, vec3 view, uint id, uint fragment
     uint asked = asked_of[fragment];
 #ifdef MIRROR
     lit = with_reflected(lit, surface, view, id, asked);
+#endif
+#ifdef GLOSSY
+    lit = with_glossy(lit, surface, view, id, asked);
 #endif
 #ifdef CONES
     lit = with_cones(lit, surface, view, asked);

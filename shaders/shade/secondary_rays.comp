@@ -6,6 +6,8 @@
 // variants: OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 TRANSMISSION=1 REFLECTED=1 LOD=1 SMOOTH_NORMALS=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 TRANSMISSION=1 CONES=1 OCCLUSION=1 DIFFUSE=1 LOD=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 SECONDARY=1 TRANSMISSION=1 CONES=1 OCCLUSION=1; OCTREE_DEPTH=11 SECONDARY=1 CONES=1 OCCLUSION=1 LOD=1 SMOOTH_NORMALS=1 FRAGMENTS=8u; OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 CONES=1 OCCLUSION=1 DIFFUSE=1 LOD=1 GAZE=1 SPARSE=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 SECONDARY=1 GLOSSY=1 SMOOTH_NORMALS=1; OCTREE_DEPTH=11 SECONDARY=1 GLOSSY=1 LOD=1 GAZE=1 SPARSE=1 MATERIAL_MAPS=1 DATA_CLASSES=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 SECONDARY=1 GLOSSY=1 MIRROR=1 TRANSMISSION=1 CONES=1 OCCLUSION=1 DIFFUSE=1 REFLECTED=1 LOD=1 CLEARCOAT=1 SHEEN=1 SPECULAR=1 UNLIT=1 FRAGMENTS=8u
 #ifndef OCTREE_DEPTH
 #define OCTREE_DEPTH 11
 #endif
@@ -30,11 +32,17 @@ layout(location = 0) uniform uvec3 batch; // first request, number of them, 1 if
 #include "shade/surface.glsl"
 #include "shade/secondary_kinds.glsl"
 #include "shade/secondary_ray.glsl"
-#if defined(MIRROR) || defined(TRANSMISSION)
+#if defined(MIRROR) || defined(TRANSMISSION) || defined(GLOSSY)
 #include "shade/reflected_ray.glsl"
 #endif
 #ifdef TRANSMISSION
 #include "shade/refracted_ray.glsl"
+#endif
+#if defined(CONES) || defined(GLOSSY)
+#include "shade/frame_about.glsl"
+#endif
+#ifdef GLOSSY
+#include "shade/glossy_ray.glsl"
 #endif
 #ifdef CONES
 #include "shade/cone_ray.glsl"
@@ -50,8 +58,16 @@ void main() {
     Met met = met_by(ray, fragments[word], uintBitsToFloat(fragments[word + 1u]));
     float part = throughput_of(ray, uintBitsToFloat(fragments[word + 2u]));
     float reach = 0.0;
-#if defined(MIRROR) || defined(TRANSMISSION)
+#if defined(MIRROR) || defined(TRANSMISSION) || defined(GLOSSY)
     Secondary_ray next = reflected_ray(met);
+#ifdef GLOSSY
+    uint seed = lobe_seed(square, fragment / FRAGMENTS);
+    Gloss gloss = gloss_at(ray, met.id, uintBitsToFloat(fragments[word + 1u]));
+    Secondary_ray from_lobe = glossy_ray(met, gloss, place_in_lobe(square, seed));
+    uint glossy = gloss.share > 0.0 ? GW_GLOSSY_RAY : 0u;
+    if (glossy != 0u)
+        next = from_lobe;
+#endif
 #ifdef TRANSMISSION
     uvec2 media = media_of[fragment / FRAGMENTS];
     Optics optics = optics_of(met.id, met.direction, met.normal, met.metalness, met.passing, media);
@@ -70,9 +86,12 @@ void main() {
 #ifdef TRANSMISSION
     from_cone.media = media;
 #endif
-#if defined(MIRROR) || defined(TRANSMISSION)
+#if defined(MIRROR) || defined(TRANSMISSION) || defined(GLOSSY)
     if (cone)
         next = from_cone;
+#ifdef GLOSSY
+    glossy = cone ? 0u : glossy;
+#endif
 #else
     Secondary_ray next = from_cone;
 #endif
@@ -84,6 +103,13 @@ void main() {
     next_rays[row + 1u] = floatBitsToUint(vec4(next.direction, next.growth));
     next_rays[row + 2u] = floatBitsToUint(vec4(present ? next.tau : -1.0, next.clear, batch.z != 0u ? throughput : 0.0, reach));
 #ifdef TRANSMISSION
-    next_rays[row + 3u] = uvec4(next.media, next.skipped, 0u);
+    uvec3 through_what = uvec3(next.media, next.skipped);
+#elif defined(GLOSSY)
+    const uvec3 through_what = uvec3(0u);
+#endif
+#ifdef GLOSSY
+    next_rays[row + 3u] = uvec4(through_what, (scrambled(seed) & ~GW_GLOSSY_RAY) | glossy);
+#elif defined(TRANSMISSION)
+    next_rays[row + 3u] = uvec4(through_what, 0u);
 #endif
 }

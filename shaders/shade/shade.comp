@@ -19,6 +19,7 @@
 // variants: OCTREE_DEPTH=11 LOD=1 REFLECTED=1 SECONDARY=1 CONES=1 OCCLUSION=1 DIFFUSE=1 MIRROR=1 TRANSMISSION=1 ALPHA=1 ABSORPTION=1 UNLIT=1 SHEEN=1 CLEARCOAT=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 LOD=1 SECONDARY=1 CONES=1 OCCLUSION=1 FRAGMENTS=8u; OCTREE_DEPTH=11 LOD=1 REFLECTED=1 SECONDARY=1 CONES=1 OCCLUSION=1 DIFFUSE=1 MIRROR=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 EMISSIVE_LIGHTS=1 EMISSIVE=1 CLEARCOAT=1; OCTREE_DEPTH=11 LOD=1 REFLECTED=1 SECONDARY=1 CONES=1 DIFFUSE=1 MIRROR=1 TRANSMISSION=1 ALPHA=1 EMISSIVE_LIGHTS=1 SHADOWS=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 SECONDARY=1 GLOSSY=1; OCTREE_DEPTH=11 LOD=1 REFLECTED=1 SECONDARY=1 GLOSSY=1 MIRROR=1 TRANSMISSION=1 CONES=1 OCCLUSION=1 ALPHA=1 EMISSIVE_LIGHTS=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 DEBUG_VIEW=1; OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=2; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=4
 // variants: OCTREE_DEPTH=11 GAZE=1 SPARSE=1 DEBUG_VIEW=5; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=6; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=7
 #ifndef OCTREE_DEPTH
@@ -215,6 +216,10 @@ void main() {
         bool reflects = optics.sheer && (GW_ASKED_KINDS(asked_of[slot * FRAGMENTS + i]) & GW_RAY_REFLECTED) != 0u;
         seen = reflects ? 1.0 : seen;
 #endif
+#if defined(EMISSIVE_LIGHTS) && defined(GLOSSY)
+        float gloss_roughness, gloss = glossy_share(id, rest, gloss_roughness);
+        seen = (GW_ASKED_KINDS(asked_of[slot * FRAGMENTS + i]) & GW_RAY_REFLECTED) != 0u ? max(seen, gloss) : seen;
+#endif
         precise vec3 lit = light_surface(rest, view, slot * FRAGMENTS + i, seen);
 #ifdef SECONDARY
         lit = with_secondary(lit, rest, view, id, slot * FRAGMENTS + i);
@@ -248,6 +253,11 @@ void main() {
 #if defined(CONES) && defined(REFLECTED)
     left = open_share(ray, sum, left);
     background = ray.reach != 0.0 ? vec3(0.0) : background;
+#endif
+#if defined(GLOSSY) && defined(REFLECTED)
+    bool glossy = (given_rays[slot * GW_SECONDARY_ROWS + 3u].w & GW_GLOSSY_RAY) != 0u;
+    background = glossy ? vec3(0.0) : background; // what asked for the ray knows it better
+    left = glossy && left < OPAQUE_REMAINDER ? 0.0 : left;
 #endif
     vec3 color = finish(sum, left, background);
 #ifdef COUNT

@@ -1,0 +1,176 @@
+/* Nearly smooth surfaces: they show what stands round them, blurred as their roughness says, at no gain of
+ * light, and the same in any split. */
+#include "tests/support/check.h"
+
+#include "base/srgb.h"
+#include "render/features.h"
+#include "tests/support/meshes.h"
+#include "tests/support/renders.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SIDE = 48, PIXELS = SIDE * SIDE };
+enum { FLOOR, WALL };
+
+/* A floor of that metal, and a wall behind it that glows in stripes where `stripes`, else as bright as the
+ * rest of the world: everything then looks at radiance 1 / pi. */
+static gw_scene *floor_and_wall(float roughness, float metalness, int stripes) {
+    gw_mesh mesh = {0};
+    gw_mesh_add_grid(&mesh, (const double[]){-1, 0, -1}, (const double[]){2, 0, 0}, (const double[]){0, 0, 2},
+                     8, 8);
+    gw_mesh_add_grid(&mesh, (const double[]){-1, 0.02, -1}, (const double[]){2, 0, 0},
+                     (const double[]){0, 1, 0}, 16, 4);
+    gw_scene *scene = gw_mesh_take(&mesh);
+    scene->materials = realloc(scene->materials, 3 * sizeof *scene->materials);
+    assert_non_null(scene->materials);
+    scene->material_count = 3;
+    const gw_material black = {.base_color = {0, 0, 0, 1}, .roughness = 1, .base_color_texture = -1};
+    scene->materials[FLOOR] = scene->materials[WALL] = scene->materials[2] = black;
+    scene->materials[FLOOR].roughness = roughness;
+    scene->materials[FLOOR].metalness = metalness;
+    for (int i = 0; i < 3; ++i) {
+        const float light = (float)(1 / 3.14159265358979);
+        scene->materials[FLOOR].base_color[i] = 1;
+        scene->materials[WALL].emissive[i] = stripes ? 0.8f : light;
+        scene->ambient[i] = stripes ? 0.2f : 1;
+        scene->background[i] = stripes ? 0.1f : light;
+    }
+    for (uint32_t t = 0; t < scene->triangle_count; ++t) {
+        const int on_wall = t >= 2 * 8 * 8;
+        scene->material_of[t] = on_wall ? (stripes && t / 2 % 2 ? 2 : WALL) : FLOOR;
+    }
+    return scene;
+}
+
+static const char *const settings[] = {"octree_depth=6", "emissive_lights=0", "tau_inside=0",
+                                       "glossy_roughness=0.4", NULL};
+
+static void open_at(gw_stage *stage, gw_camera *camera, gw_scene *scene, const char *shaders) {
+    check_ok(gw_stage_open(stage, scene, shaders, settings, &error));
+    gw_camera_look(camera, stage, (const double[]){0.1, 0.5, 1.6}, (const double[]){0, 0.1, -0.3}, 40, SIDE);
+}
+
+/* Under light that is the same from everywhere, met or not, nothing reflects more than arrives, and white
+ * metal no less: at roughness 0 to the limit, in one sample and in many. */
+static void a_furnace_keeps_its_light(void **state) {
+    static const float roughnesses[] = {0.03f, 0.15f, 0.3f};
+    (void)state;
+    for (size_t r = 0; r < 3; ++r) {
+        gw_stage stage;
+        gw_camera camera;
+        gw_counters counters = {0};
+        open_at(&stage, &camera, floor_and_wall(roughnesses[r], 1, 0), NULL);
+        uint8_t *rgba = gw_stage_take(&stage, &camera, NULL, &counters);
+        int least = 255, most = 0;
+        for (size_t i = 0; i < PIXELS; ++i) {
+            least = rgba[i * 4] < least ? rgba[i * 4] : least;
+            most = rgba[i * 4] > most ? rgba[i * 4] : most;
+        }
+        print_message("# roughness %g: %u rays, radiance %.4f to %.4f of %.4f\n", (double)roughnesses[r],
+                      (unsigned)counters.glossy_rays, gw_srgb_code_to_linear((uint8_t)least),
+                      gw_srgb_code_to_linear((uint8_t)most), 0.3183);
+        assert_true(counters.glossy_rays > PIXELS / 4);
+        assert_int_equal(counters.nan_pixels + counters.step_cap_hits + counters.mirror_rays, 0);
+        assert_true(gw_srgb_code_to_linear((uint8_t)most) <= 0.3183 * 1.015); /* 1 % and half a code */
+        assert_true(gw_srgb_code_to_linear((uint8_t)least) >= 0.3183 * 0.97);
+        free(rgba);
+        gw_stage_close(&stage);
+    }
+}
+
+static double difference_to(const uint8_t *picture, const uint8_t *reference) {
+    return gw_mean_difference(picture, reference, PIXELS);
+}
+
+/* Samples of a still view come near the lobe: 64 of them lie near 256, and nearer than one; where all take
+ * the lobe's middle they never do. */
+static void samples_fill_the_lobe(void **state) {
+    char folder[512];
+    gw_stage stage;
+    gw_camera camera;
+    (void)state;
+    uint8_t *pictures[4];
+    open_at(&stage, &camera, floor_and_wall(0.25f, 1, 1), NULL);
+    gw_renderer *renderer = gw_stage_renderer(&stage);
+    static const uint16_t counts[] = {1, 16, 128};
+    for (size_t i = 0; i < 3; ++i) {
+        camera.state.accumulate = counts[i];
+        pictures[i] = gw_camera_take(&camera, renderer, NULL);
+    }
+    gw_renderer_destroy(&renderer);
+    gw_stage_close(&stage);
+    open_at(&stage, &camera, floor_and_wall(0.25f, 1, 1),
+            gw_naive_shaders(folder, "middles", "shade/glossy_ray.glsl", "LOBE_MIDDLES"));
+    camera.state.accumulate = 128;
+    pictures[3] = gw_stage_take(&stage, &camera, NULL, NULL);
+    gw_stage_close(&stage);
+    const double one = difference_to(pictures[0], pictures[2]),
+                 some = difference_to(pictures[1], pictures[2]),
+                 middles = difference_to(pictures[3], pictures[2]);
+    print_message("# off 128 samples by: one %.2f/255, 16 %.2f, the lobe's middle %.2f\n", one, some,
+                  middles);
+    assert_true(some < 0.5 * one);
+    assert_true(middles > 3 * some); /* the naive rule fails */
+    for (size_t i = 0; i < 4; ++i)
+        free(pictures[i]);
+}
+
+/* A gaze, voxels, sparse samples: counted, suspended, with all effects and in pieces. */
+static void however_it_is_drawn_pixels_are_the_same(void **state) {
+    gw_stage stage;
+    gw_camera camera;
+    (void)state;
+    open_at(&stage, &camera, floor_and_wall(0.2f, 0, 1), NULL);
+    camera.state.tau = 3;
+    camera.state.least_throughput = 0;
+    gw_camera_gaze(&camera, SIDE / 3, SIDE / 2, 4.0);
+    gw_counters counters = {0};
+    uint8_t *whole = gw_stage_take(&stage, &camera, NULL, &counters);
+    assert_true(counters.glossy_rays > 100);
+    const gw_renderer_options suspended = {.loop_budget = 32, .force_features = GW_ALL_FEATURES};
+    gw_renderer *other = gw_stage_renderer_with(&stage, &suspended);
+    uint8_t *again = gw_camera_take(&camera, other, NULL);
+    assert_memory_equal(whole, again, PIXELS * 4);
+    uint8_t *part = calloc(PIXELS, 4);
+    assert_non_null(part);
+    static const gw_rectangle parts[] = {{0, 0, 17, 29}, {17, 3, 31, 45}, {5, 29, 12, 19}};
+    for (size_t p = 0; p < 3; ++p) {
+        const gw_rectangle *r = &parts[p];
+        check_ok(
+            gw_renderer_frame(other, &camera.placement, &camera.plane, r, &camera.state, part, NULL, &error));
+        for (uint32_t y = 0; y < r->height; ++y)
+            assert_memory_equal(part + (size_t)y * r->width * 4,
+                                whole + ((size_t)(r->y + (int)y) * SIDE + (size_t)r->x) * 4,
+                                (size_t)r->width * 4);
+    }
+    free(part);
+    free(whole);
+    free(again);
+    gw_renderer_destroy(&other);
+    gw_stage_close(&stage);
+}
+
+static void what_calls_for_it_is_data(void **state) {
+    (void)state;
+    gw_scene *scene = floor_and_wall(0.2f, 1, 1);
+    assert_true(gw_calls_for_gloss(scene, 0.02f, 0.25f));
+    assert_false(gw_calls_for_gloss(scene, 0.02f, 0.2f));
+    assert_false(gw_calls_for_gloss(scene, 0.2f, 0.25f)); /* a mirror */
+    assert_false(gw_calls_for_gloss(scene, 0.02f, 0));
+    for (int i = 0; i < 3; ++i)
+        scene->ambient[i] = scene->background[i] = scene->materials[WALL].emissive[i] = 0;
+    assert_false(gw_calls_for_gloss(scene, 0.02f, 0.25f)); /* nothing to reflect */
+    gw_scene_destroy(&scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_calls_for_it_is_data),
+        cmocka_unit_test(a_furnace_keeps_its_light),
+        cmocka_unit_test(samples_fill_the_lobe),
+        cmocka_unit_test(however_it_is_drawn_pixels_are_the_same),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -120,8 +120,7 @@ static void samples_fill_the_lobe(void **state) {
     const double one = difference_to(pictures[0], pictures[2]),
                  some = difference_to(pictures[1], pictures[2]),
                  middles = difference_to(pictures[3], pictures[2]);
-    print_message("# off 64 samples by: one %.2f/255, 16 %.2f, the lobe's middle %.2f\n", one, some,
-                  middles);
+    print_message("# off 64 samples by: one %.2f/255, 16 %.2f, the lobe's middle %.2f\n", one, some, middles);
     assert_true(some < 0.5 * one);
     assert_true(middles > 2 * some); /* the naive rule fails */
     for (size_t i = 0; i < 4; ++i)

@@ -56,13 +56,13 @@ static void put_head(FILE *page, const gw_accuracy *accuracy, const gw_accuracy_
     const gw_ledger_point *p = &scene->standing;
     const char *command = json_string_value(json_object_get(accuracy->bench->report, "command"));
     char model[240];
-    fprintf(
-        page,
-        "# The ledger of %s\n\n`%s`\n\n%s, %u triangles; %ux%u px, %.1f px a degree where the viewer looks. "
-        "Exact, as the settings stand, and their difference (FLIP):\n\n![exact, as it stands, difference]"
-        "(%s.png)\n\n",
-        scene->name, command ? command : "gazewall bench accuracy", scene->path, scene->triangles,
-        scene->size[0], scene->size[1], scene->pixels_per_degree, scene->name);
+    fprintf(page,
+            "# The ledger of %s\n\n`gazewall %s`\n\n%s, %u triangles; %ux%u px, %.1f px a degree where the "
+            "viewer looks. "
+            "Exact, as the settings stand, and their difference (FLIP):\n\n![exact, as it stands, difference]"
+            "(%s.png)\n\n",
+            scene->name, command ? command : "bench accuracy", scene->path, scene->triangles, scene->size[0],
+            scene->size[1], scene->pixels_per_degree, scene->name);
     fprintf(
         page,
         "As the settings stand: FLIP %.4f, as seen %.4f, PSNR %.1f dB, bias %+.4f; %.0f rays, %.2f million "

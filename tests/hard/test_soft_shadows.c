@@ -44,7 +44,7 @@ static gw_scene *make_scene(gw_mesh *mesh, const double from[3], const double to
                              scene->centre[k % 3];
             inside &= x > from[k % 3] && x < to[k % 3];
         }
-        scene->material_of[t] = inside;
+        scene->material_of[t] = (uint32_t)inside;
     }
     return scene;
 }

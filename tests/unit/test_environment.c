@@ -173,7 +173,8 @@ static void a_sun_becomes_a_light_and_no_light_is_lost(void **state) {
     assert_true(fabs(lights[0].vector[1] + cos(down)) < 1e-6);
     assert_true(fabs(lights[0].vector[0] + sin(down) * sin(azimuth)) < 1e-6);
     assert_true(fabs(lights[0].vector[2] - sin(down) * cos(azimuth)) < 1e-6);
-    assert_true(lights[0].extent < 1e-3f); /* a single texel */
+    const double texel = (cos(GW_PI * 14 / HIGH) - cos(GW_PI * 15 / HIGH)) * 2.0 * GW_PI / WIDE;
+    assert_true(fabs((double)lights[0].extent - sqrt(texel / GW_PI)) < 1e-3); /* as wide as it */
     for (size_t n = 0; n < NORMALS; n++) {
         gw_radiance_map_irradiance(&map, turn, normals[n], rest);
         const double *v = lights[0].vector;

@@ -19,7 +19,7 @@ layers=(base tracking build render wall)
 mapfile -t sources < <(find "${layers[@]}" tests shaders docs -name '*.c' | sort)
 mapfile -t headers < <(find "${layers[@]}" tests -name '*.h' | sort)
 mapfile -t shaders < <(find shaders -name '*.comp' -o -name '*.vert' -o -name '*.geom' -o -name '*.frag' -o -name '*.glsl' -o -name '*.h' | sort)
-mapfile -t texts < <(find . \( -path ./.git -o -path ./out -o -name '*.png' -o -name '*.vrpn' -o -name '*.gz' \) -prune -o -type f -print | sort)
+mapfile -t texts < <(find . \( -path ./.git -o -path ./out -o -name '*.png' -o -name '*.jpg' -o -name '*.vrpn' -o -name '*.gz' \) -prune -o -type f -print | sort)
 
 need() {
     command -v "$1" >/dev/null && return

@@ -43,7 +43,7 @@ Gloss gloss_at(Pixel_ray ray, uint id, float t) {
     see_surface(surface, view);
     vec3 reflected = environment_specular(surface, view);
     gloss.share = glossy_share(id, surface, gloss.roughness);
-    precise float part = gloss.share * max(reflected.r, max(reflected.g, reflected.b));
+    precise float part = gloss.share * max(reflected.x, max(reflected.y, reflected.z));
     gloss.part = part;
     return gloss;
 }

@@ -36,13 +36,13 @@ endif
 GOALS := $(or $(MAKECMDGOALS),all)
 SETUP_GROUPS := run
 SETUP_EXTRA := :
-ifneq ($(filter test tests hard,$(GOALS)),)
+ifneq ($(filter test tests hard hard-full,$(GOALS)),)
 SETUP_GROUPS += test
 SETUP_EXTRA := .ci/setup --try extra >&2
 endif
 # demo, test and setup may install; a plain build only says what is missing.
 SETUP_CHECK := --check
-ifneq ($(filter demo test hard,$(GOALS)),)
+ifneq ($(filter demo test hard hard-full,$(GOALS)),)
 SETUP_CHECK :=
 endif
 SETUP_STAMP := $(OUT)/setup-$(subst $() ,-,$(strip $(SETUP_GROUPS)))
@@ -114,7 +114,7 @@ ALL_OBJECTS := $(OBJECTS) $(TREE)/wall/main.o $(TEST_SUPPORT) $(TEST_SOURCES:%.c
 
 # --- targets ---------------------------------------------------------------------------------------------------------
 
-.PHONY: all setup demo tests test hard soak compare fuzz fuzz-programs tools lint format docs tracks demo-track moving-scene lit-scene record-ledger install clean help
+.PHONY: all setup demo tests test hard hard-full soak compare fuzz fuzz-programs tools lint format docs tracks demo-track moving-scene lit-scene record-ledger install clean help
 
 all: $(PROGRAMS) $(ARCHIVE) $(if $(PROGRAMS),$(OUT)/gazewall)
 
@@ -122,7 +122,8 @@ help:
 	@echo "make             build $(OUT)/gazewall"
 	@echo "make demo        install what is missing, build, run the simulated wall into $(OUT)/demo"
 	@echo "make test        install what is missing, build, run every test; ONLY=name picks some"
-	@echo "make hard        only the tests of tests/hard"
+	@echo "make hard        the hard cases of tests/hard/catalogue.tsv, and what each test and its naive variant said"
+	@echo "make hard-full   ten million rays at vertices and edges, 2,000 nasty scenes: an hour on software GL"
 	@echo "make soak        200,000 frames through the gate at 35 tiles: nothing may grow (SOAK_FRAMES=n)"
 	@echo "make fuzz        each decoder on made-up input for a minute (clang; FUZZ_SECONDS=n, ONLY=dtrack picks one)"
 	@echo "make compare     scenes beside Blender's Cycles into $(OUT)/compare; ONLY='chess sedan' picks (.ci/setup compare, tests/scenes.sh first)"
@@ -130,7 +131,7 @@ help:
 	@echo "make tools       build the tools of tests/tools: scene converter, demo track"
 	@echo "make lint        layout, static analysis, house rules, shaders; changes nothing"
 	@echo "make format      lay the C sources out by .clang-format"
-	@echo "make docs        write docs/settings.md from the table of settings"
+	@echo "make docs        write docs/settings.md from the table of settings, docs/hard-cases.md from the catalogue"
 	@echo "make tracks      write the synthetic recordings of configs/tracks anew"
 	@echo "make demo-track  write configs/tracks/demo.vrpn anew from its formula"
 	@echo "make record-ledger  write tests/data/ledger.csv anew: the work and errors that tests hold frames to"
@@ -154,8 +155,15 @@ tools: $(TOOLS)
 test: all tests
 	$(quiet)tests/run.sh '$(TREE)' '$(ONLY)'
 
-hard: all $(filter $(TREE)/tests/hard/%,$(TEST_PROGRAMS))
-	$(quiet)tests/run.sh '$(TREE)' hard/
+# Every test that the catalogue names, then what they said of each case and of its naive variant.
+hard: all tests
+	$(quiet)tests/run.sh '$(TREE)' "hard/ $$(tests/hard/catalogue.sh files | tr '\n' ' ')"; code=$$?; \
+		tests/hard/catalogue.sh table '$(TREE)/test-logs'; exit $$code
+
+# Ten million rays in each family, and more random scenes than a test has time for.
+hard-full: all tests
+	$(quiet)$(PROGRAM) bench precision --rays 10000000 --out $(OUT)/precision
+	$(quiet)GW_NASTY_SCENES=2000 $(TREE)/tests/hard/test_nasty
 
 SOAK_FRAMES ?= 200000
 soak: all
@@ -180,6 +188,7 @@ format:
 
 docs: $(TREE)/write_settings
 	$(quiet)$< > $(TREE)/settings.md && mv $(TREE)/settings.md docs/settings.md
+	$(quiet)tests/hard/catalogue.sh markdown > $(TREE)/hard-cases.md && mv $(TREE)/hard-cases.md docs/hard-cases.md
 
 demo-track: $(TREE)/tests/tools/make_demo_track
 	$(quiet)$< configs/tracks/demo.vrpn

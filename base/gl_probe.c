@@ -28,8 +28,8 @@ static void make_input(probe_row *rows) {
     float one_up = 1.0f + 0x1p-23f;
     rows[0] = (probe_row){one_up, one_up, -(one_up * one_up), 0.0f}; /* once: 2^-46, twice: 0 */
     rows[1] = (probe_row){0x1p-126f, 0.5f, 0.0f, 0.0f};              /* a subnormal product */
-    rows[2] = (probe_row){1.0f, 0.0f, 0.0f, 0.0f};                   /* 1/0 */
-    rows[3] = (probe_row){0.0f, 0.0f, 0.0f, 0.0f};                   /* 0/0 */
+    rows[2] = (probe_row){1.0f, 0.0f, 3e9f, -3e9f};                  /* 1/0; beyond an int */
+    rows[3] = (probe_row){0.0f, 0.0f, 1.0f, 0.0f};                   /* 0/0; a number beside it */
     uint32_t state = 12345;
     for (int i = FACT_ROWS; i < FACT_ROWS + GW_PROBE_SAMPLES; i++) {
         uint32_t a = next_random(&state), b = next_random(&state);
@@ -46,6 +46,8 @@ static void judge(const probe_row *in, const probe_row *out, gw_float_environmen
     facts->denormals_kept = out[1].d == 0x1p-127f;
     facts->infinity_kept = isinf(out[2].a) != 0;
     facts->nan_kept = out[3].b == 1.0f;
+    facts->minimum_is_number = out[3].a == 1.0f && out[3].c == 1.0f;
+    facts->conversion_saturates = out[2].b == 1.0f;
     for (int i = FACT_ROWS; i < FACT_ROWS + GW_PROBE_SAMPLES; i++) {
         facts->division_wrong += out[i].a != in[i].a / in[i].b;
         facts->sqrt_wrong += out[i].b != sqrtf(in[i].a);

@@ -233,7 +233,7 @@ gw_features gw_features_of_scene(const gw_scene *scene, const gw_octree *octree,
 
 /* Debug views show numbers as colours, which no curve may touch. */
 static gw_features features_of_tone(const gw_frame_state *state) {
-    if (state->debug != GW_DEBUG_NONE)
+    if (state->debug != GW_DEBUG_NONE && state->debug != GW_DEBUG_BOUNDS)
         return 0;
     return (state->tone != GW_TONE_LINEAR ? GW_FEATURE_TONE : 0) |
            (state->exposure != 0.0f || state->metering ? GW_FEATURE_EXPOSURE : 0) |
@@ -315,6 +315,8 @@ gw_code gw_kernel_defines(const gw_kernel_key *key, char *text, size_t size, gw_
         append(&out, "#define DOUBLE_EDGES 1\n");
     if (key->ordered_edges)
         append(&out, "#define ORDERED_EDGES 1\n");
+    if (key->check_fetches)
+        append(&out, "#define CHECK_FETCHES 1\n");
     if (key->count)
         append(&out, "#define COUNT 1\n");
     if (key->any_hit)

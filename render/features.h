@@ -123,6 +123,7 @@ typedef struct gw_kernel_key {
     int reflected;      /* its rays are secondary ones, from a buffer */
     int until_coarse;   /* the first round of a frame with voxels: see renderer_batch.c */
     int gaze_seed;      /* gaze_rule = seed */
+    int check_fetches;  /* reads of the octree are checked */
     int guides;         /* samples tell what they met, for edge-aware reconstruction */
     int voxel_emission; /* the octree knows what its voxels emit */
 } gw_kernel_key;

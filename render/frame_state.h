@@ -91,6 +91,7 @@ typedef enum gw_debug_view {
     GW_DEBUG_LOADS, /* work of each pixel's rays, as GW_DEBUG_STEPS */
     GW_DEBUG_TESTS,
     GW_DEBUG_VOXELS,
+    GW_DEBUG_BOUNDS, /* no view: the frame as it is, and an error if anything was read out of range */
     GW_DEBUG_VIEWS
 } gw_debug_view;
 

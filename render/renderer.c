@@ -155,6 +155,7 @@ void gw_renderer_finish_buffers(gw_renderer *r) {
     for (size_t i = 0; i <= GW_MOST_BOUNCES; ++i)
         gw_secondary_buffers_finish(&r->secondary[i]);
     gw_gl_buffer_finish(&r->totals);
+    gw_gl_buffer_finish(&r->out_of_range);
     gw_gl_buffer_finish(&r->luminances);
     gw_gl_buffer_finish(&r->frame);
     gw_gl_buffer_finish(&r->given_rays);

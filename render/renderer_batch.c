@@ -32,7 +32,7 @@ gw_code gw_frame_kernels(gw_frame_job *job, int resume, gw_error *error) {
         shade.features &= ~(GW_FEATURE_ACCUMULATE | GW_TONE_FEATURES); /* pixels are made by shaders/blend */
     shade.loop_budget = 0;
     shade.voxels_only = shade.level_blend = shade.leaf_blend = 0;
-    shade.double_edges = shade.ordered_edges = 0;
+    shade.double_edges = shade.ordered_edges = shade.check_fetches = 0;
     gw_code code = gw_renderer_kernel(job->renderer, "trace/primary.comp", &trace, NULL, &job->trace, error);
     if (!code)
         code = gw_renderer_kernel(job->renderer, "shade/shade.comp", &shade, NULL, &job->shade, error);

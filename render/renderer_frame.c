@@ -290,6 +290,32 @@ static gw_code draw_once(gw_frame_job *job, gw_error *error) {
     return code;
 }
 
+/* Before and after a frame that checks what it reads. */
+static gw_code begin_checks(gw_renderer *renderer, gw_error *error) {
+    uint32_t words[GW_RANGE_WORDS] = {0};
+    memset(words + 1, 0xff, sizeof words - sizeof *words);
+    gw_code code = gw_renderer_grow(renderer, &renderer->out_of_range, "out of range", sizeof words, error);
+    if (!code)
+        code = gw_gl_buffer_write(&renderer->out_of_range, 0, sizeof words, words, error);
+    if (!code)
+        gw_gl_buffer_bind(&renderer->out_of_range, GW_BINDING_OUT_OF_RANGE);
+    return code;
+}
+
+static gw_code end_checks(gw_renderer *renderer, gw_error *error) {
+    static const char *const names[] = {"node", "reference", "triangle", "payload", "box"};
+    uint32_t words[GW_RANGE_WORDS];
+    gw_code code = gw_gl_buffer_read(&renderer->out_of_range, 0, sizeof words, words, error);
+    for (int i = 1; !code && words[0] && i < GW_RANGE_WORDS; ++i)
+        if (words[i] != UINT32_MAX)
+            code =
+                gw_fail(error, GW_MACHINE,
+                        "%u reads out of range, the first of %s %u: the octree on the GPU is damaged, or a "
+                        "kernel is wrong",
+                        words[0], names[i - 1], words[i]);
+    return code;
+}
+
 gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement, const gw_plane *plane,
                           const gw_rectangle *rectangle, const gw_frame_state *given, uint8_t *rgba,
                           gw_counters *counters, gw_error *error) {
@@ -311,12 +337,16 @@ gw_code gw_renderer_frame(gw_renderer *renderer, const gw_similarity *placement,
     code = gw_frame_choose_kernels(&job, placement, plane, error);
     if (!code)
         code = gw_effects_begin(&job, error);
+    if (!code && job.key.check_fetches)
+        code = begin_checks(renderer, error);
     if (!code)
         code = job.key.features & GW_FEATURE_ACCUMULATE ? accumulate(&job, placement, plane, error)
                                                         : draw_once(&job, error);
     gw_gl_variant_end(renderer->device);
     if (!code)
         code = gw_effects_end(&job, error);
+    if (!code && job.key.check_fetches)
+        code = end_checks(renderer, error);
     if (code)
         return gw_context(error, "frame %u", state->frame);
     job.counters.loop_iterations = renderer->loop_iterations;

@@ -40,8 +40,9 @@ enum gw_binding {
     GW_BINDING_LISTS = 25,
     GW_BINDING_NEXT_RAYS = 26,
     GW_BINDING_GIVEN_SUMS = 27,
-    GW_BINDING_MEDIA = 28,     /* with TRANSMISSION only */
-    GW_BINDING_LUMINANCES = 30 /* with METERING only */
+    GW_BINDING_MEDIA = 28,        /* with TRANSMISSION only */
+    GW_BINDING_OUT_OF_RANGE = 29, /* with CHECK_FETCHES only */
+    GW_BINDING_LUMINANCES = 30    /* with METERING only */
 };
 /* Texture units of what shaders/blend reads, beside those of gw_scene_buffers_bind(). */
 enum gw_unit { GW_UNIT_CELL_COLORS = 14, GW_UNIT_CELL_POINTS = 15, GW_UNIT_CELL_MARKS = 16 };
@@ -146,6 +147,7 @@ struct gw_renderer {
     gw_shadow_buffers shadows;
     gw_secondary_buffers secondary[GW_MOST_BOUNCES + 1]; /* what rays of each bounce ask for */
     gw_gl_buffer totals, frame;
+    gw_gl_buffer out_of_range;           /* made with the first frame that checks its reads */
     gw_gl_buffer luminances;             /* made with the first frame whose light is counted */
     gw_luminance luminance;              /* since it was last asked for */
     gw_gl_buffer given_rays, found_hits; /* of gw_renderer_trace */

@@ -1,6 +1,6 @@
 #!/bin/bash
 # Runs the tests and counts them one by one.
-#   tests/run.sh TREE [ONLY]      TREE: build tree, out/release; ONLY: part of "kind/name"
+#   tests/run.sh TREE [ONLY]      TREE: build tree, out/release; ONLY: parts of "kind/name", any of which will do
 # Every tests/<kind>/test_*.c is a cmocka program, every tests/{cli,mpi}/*.sh a script; all speak TAP. Programs and
 # scripts find the binary in $GAZEWALL and a folder of their own, removed afterwards, in $GW_TEST_FOLDER.
 # Files run side by side, one for each processor: most keep one busy, and assert nothing about time. Those of kind mpi, whose
@@ -53,6 +53,16 @@ limit_of() {
     esac
 }
 
+# Whether kind/name is asked for.
+wanted() {
+    local part
+    [ -n "$only" ] || return 0
+    for part in $only; do
+        case $1 in *"$part"*) return 0 ;; esac
+    done
+    return 1
+}
+
 # Counts the TAP lines of a log: prints "passed failed skipped".
 count() {
     awk '
@@ -72,7 +82,7 @@ count() {
 run_file() {
     local kind=$1 name=$2
     shift 2
-    case "$kind/$name" in *"$only"*) ;; *) return ;; esac
+    wanted "$kind/$name" || return
     local log=$logs/$kind-$name.log leaks=0 start code p f s
     [ "$kind" != unit ] || leaks=1
     mkdir -p "$scratch/$kind-$name"
@@ -113,7 +123,7 @@ slots=$(nproc)
 started=0
 run_beside() {
     local lines=$scratch/$1-$2.lines
-    case "$1/$2" in *"$only"*) ;; *) return ;; esac
+    wanted "$1/$2" || return
     started=$((started + 1))
     while [ "$(jobs -pr | wc -l)" -ge "$slots" ]; do wait -n; done
     (

@@ -24,6 +24,7 @@ typedef struct gw_bench {
     double density;  /* of modes: px a degree at the middle of the path's pictures; 0: the path's own angle */
     int times_only;  /* of modes: no errors, no flicker */
     int point_light; /* of modes: one point light instead of the scene's lights, as in the paper */
+    uint64_t rays;   /* of precision, in each family; 0: its own number */
     uint32_t size[2]; /* px, of benches that trace a picture; 0: the bench's own */
     size_t knob_count;
     const char *knobs[64];    /* of accuracy: names; none: all */
@@ -71,6 +72,10 @@ gw_code gw_bench_effects(gw_bench *bench, gw_error *error);
 
 /* The ledger: error against cost for every knob of every scene. */
 gw_code gw_bench_accuracy(gw_bench *bench, gw_error *error);
+
+/* Failures in a million rays of each rung of the triangle test, and its time; Embree beside. Fails where the
+ * shipped rung does. */
+gw_code gw_bench_precision(gw_bench *bench, gw_error *error);
 
 /* Many models at once, each with its own octree and renderer on one device. */
 gw_code gw_bench_resident(gw_bench *bench, gw_error *error);

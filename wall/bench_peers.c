@@ -230,7 +230,7 @@ static gw_code measure(peers *p, gw_error *error) {
     options.forbid_features |= GW_FEATURE_SHADOWS | GW_SECONDARY_FEATURES; /* the peer traces primary rays */
     gw_bench_path path = {.scene = bench->model.scene};
     gw_bench_ray_size(bench, path.size);
-    gw_code code = gw_peer_create(bench->model.scene, &p->peer, error);
+    gw_code code = gw_peer_create(bench->model.scene, 1, &p->peer, error);
     if (!code)
         code = gw_renderer_create(bench->model.device, bench->model.scene, bench->model.octree, &options,
                                   &p->renderer, error);

@@ -227,7 +227,7 @@ enum {
 
 static const char *const debug_names[GW_DEBUG_VIEWS] = {"none",  "levels", "steps",        "normals",
                                                         "gaze",  "rates",  "eccentricity", "footprint",
-                                                        "loads", "tests",  "voxels"};
+                                                        "loads", "tests",  "voxels",       "bounds"};
 
 static const struct argp_option scene_options[] = {
     {NULL, 0, NULL, 0, "What is drawn:", 10},
@@ -286,7 +286,7 @@ static const struct argp_option frame_options[] = {
      "levels (red: triangles, green to blue: voxel levels), normals, gaze (accepted error), rates "
      "(pixels a "
      "ray), eccentricity, footprint, work of each ray: steps, loads (of nodes), tests (of triangles), "
-     "voxels, or none; default none",
+     "voxels, bounds (no view: fails if anything is read out of range; slower), or none; default none",
      10},
     {"forbid-effect", KEY_FORBID, "NAME", 0,
      "leave an effect out although the scene or a frame calls for it, such as shadows; may be repeated; "
@@ -309,7 +309,7 @@ static gw_code set_debug(gw_draw_options *options, const char *word) {
     const char *near = gw_suggest(word, debug_names, GW_DEBUG_VIEWS);
     return gw_fail(options->error, GW_BAD_INPUT,
                    "--debug '%s' is no view; it is one of none, levels, steps, normals, gaze, rates, "
-                   "eccentricity, footprint, loads, tests, voxels%s%s%s",
+                   "eccentricity, footprint, loads, tests, voxels, bounds%s%s%s",
                    word, near ? " (did you mean '" : "", near ? near : "", near ? "'?)" : "");
 }
 

@@ -65,7 +65,7 @@ static gw_code load(gw_peer *peer, gw_error *error) {
     return GW_OK;
 }
 
-static gw_code fill_scene(gw_peer *peer, const gw_scene *scene, gw_error *error) {
+static gw_code fill_scene(gw_peer *peer, const gw_scene *scene, int robust, gw_error *error) {
     RTCGeometry geometry = peer->rtcNewGeometry(peer->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     float *vertices = peer->rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                                     3 * sizeof(float), scene->vertex_count);
@@ -76,7 +76,7 @@ static gw_code fill_scene(gw_peer *peer, const gw_scene *scene, gw_error *error)
         memcpy(triangles, scene->triangles, (size_t)scene->triangle_count * 3 * sizeof(uint32_t));
         peer->rtcCommitGeometry(geometry);
         peer->scene = peer->rtcNewScene(peer->device);
-        peer->rtcSetSceneFlags(peer->scene, RTC_SCENE_FLAG_ROBUST);
+        peer->rtcSetSceneFlags(peer->scene, robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
         peer->rtcSetSceneBuildQuality(peer->scene, RTC_BUILD_QUALITY_HIGH);
         peer->rtcAttachGeometry(peer->scene, geometry);
         peer->rtcCommitScene(peer->scene);
@@ -87,7 +87,7 @@ static gw_code fill_scene(gw_peer *peer, const gw_scene *scene, gw_error *error)
                   : GW_OK;
 }
 
-gw_code gw_peer_create(const gw_scene *scene, gw_peer **out, gw_error *error) {
+gw_code gw_peer_create(const gw_scene *scene, int robust, gw_peer **out, gw_error *error) {
     gw_peer *peer = NULL;
     gw_code code = gw_allocate((void **)&peer, 1, sizeof *peer, "Embree's state", error);
     if (code)
@@ -103,7 +103,7 @@ gw_code gw_peer_create(const gw_scene *scene, gw_peer **out, gw_error *error) {
                  (long)peer->rtcGetDeviceProperty(peer->device, RTC_DEVICE_PROPERTY_VERSION_MAJOR),
                  (long)peer->rtcGetDeviceProperty(peer->device, RTC_DEVICE_PROPERTY_VERSION_MINOR),
                  (long)peer->rtcGetDeviceProperty(peer->device, RTC_DEVICE_PROPERTY_VERSION_PATCH));
-        code = fill_scene(peer, scene, error);
+        code = fill_scene(peer, scene, robust, error);
     }
     if (code)
         gw_peer_destroy(&peer);
@@ -199,8 +199,8 @@ struct gw_peer {
     int none;
 };
 
-gw_code gw_peer_create(const gw_scene *scene, gw_peer **out, gw_error *error) {
-    (void)scene;
+gw_code gw_peer_create(const gw_scene *scene, int robust, gw_peer **out, gw_error *error) {
+    (void)scene, (void)robust;
     *out = NULL;
     return gw_fail(error, GW_MACHINE,
                    "this program was built without Embree's header; install libembree-dev and build again");

@@ -12,9 +12,9 @@
 
 typedef struct gw_peer gw_peer;
 
-/* Builds its own structure over the rebased triangles, robust flags on. GW_MACHINE when Embree is not there.
- */
-gw_code gw_peer_create(const gw_scene *scene, gw_peer **out, gw_error *error);
+/* Builds its own structure over the rebased triangles, robust or in its default mode. GW_MACHINE when Embree
+ * is not there. */
+gw_code gw_peer_create(const gw_scene *scene, int robust, gw_peer **out, gw_error *error);
 void gw_peer_destroy(gw_peer **peer);
 const char *gw_peer_name(const gw_peer *peer); /* "Embree 3.13.5" */
 

@@ -82,14 +82,15 @@ gw_code gw_report_floats(json_t *report, gw_gl *device, gw_error *error) {
     gw_code code = gw_gl_probe_floats(device, &floats, error);
     if (code)
         return code;
-    json_object_set_new(report, "float_environment",
-                        json_pack("{s:b, s:b, s:b, s:b, s:b, s:b, s:b, s:b, s:I, s:I, s:i}", "contracts",
-                                  floats.contracts, "precise_holds", floats.precise_holds, "fma_fused",
-                                  floats.fma_fused, "denormals_kept", floats.denormals_kept, "division_exact",
-                                  floats.division_exact, "sqrt_exact", floats.sqrt_exact, "infinity_kept",
-                                  floats.infinity_kept, "nan_kept", floats.nan_kept, "division_wrong",
-                                  (json_int_t)floats.division_wrong, "sqrt_wrong",
-                                  (json_int_t)floats.sqrt_wrong, "samples", GW_PROBE_SAMPLES));
+    json_object_set_new(
+        report, "float_environment",
+        json_pack("{s:b, s:b, s:b, s:b, s:b, s:b, s:b, s:b, s:b, s:b, s:I, s:I, s:i}", "contracts",
+                  floats.contracts, "precise_holds", floats.precise_holds, "fma_fused", floats.fma_fused,
+                  "denormals_kept", floats.denormals_kept, "division_exact", floats.division_exact,
+                  "sqrt_exact", floats.sqrt_exact, "infinity_kept", floats.infinity_kept, "nan_kept",
+                  floats.nan_kept, "minimum_is_number", floats.minimum_is_number, "conversion_saturates",
+                  floats.conversion_saturates, "division_wrong", (json_int_t)floats.division_wrong,
+                  "sqrt_wrong", (json_int_t)floats.sqrt_wrong, "samples", GW_PROBE_SAMPLES));
     return GW_OK;
 }
 

@@ -110,6 +110,12 @@ static void print_floats(const gw_float_environment *f) {
            f->sqrt_wrong, GW_PROBE_SAMPLES);
     printf("denormals          %s; infinity %s; NaN %s\n", f->denormals_kept ? "kept" : "flushed to zero",
            f->infinity_kept ? "kept" : "lost", f->nan_kept ? "seen" : "not seen");
+    printf("min, max of NaN    %s; conversion beyond an int %s\n",
+           f->minimum_is_number ? "the number" : "not always the number",
+           f->conversion_saturates ? "saturates" : "is anything");
+    if (!f->precise_holds)
+        printf("                   'precise' does not hold: set triangle_precision=ordered, or rays pass "
+               "between triangles\n");
 }
 
 static void tell_gpus(json_t *report, int quiet) {

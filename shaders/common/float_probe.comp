@@ -31,8 +31,9 @@ void main()
     } else if (row == 1u) {
         output_rows[row] = vec4(0.0, 0.0, 0.0, value.x * value.y);
     } else if (row == 2u) {
-        output_rows[row] = vec4(quotient, 0.0, 0.0, 0.0);
+        bool saturates = int(value.z) == 0x7fffffff && int(value.w) == -0x7fffffff - 1;
+        output_rows[row] = vec4(quotient, saturates ? 1.0 : 0.0, 0.0, 0.0);
     } else {
-        output_rows[row] = vec4(0.0, isnan(quotient) ? 1.0 : 0.0, 0.0, 0.0);
+        output_rows[row] = vec4(min(quotient, value.z), isnan(quotient) ? 1.0 : 0.0, max(quotient, value.z), 0.0);
     }
 }

@@ -157,6 +157,8 @@ GW_STRUCT_END(gw_emissive_slot)
 // A hit under way is a triangle id with this bit when the ray meets its back: of triangles at one distance the front comes
 // first, then the lowest id, so that faces doubled with opposite winding show the side that was made for the viewer.
 #define GW_HIT_BACK 0x80000000u
+/* What --debug bounds reports: reads beyond an end, then the least index of a node, a reference, a triangle, a payload, a box. */
+#define GW_RANGE_WORDS 6
 // What a sample met, for edge-aware reconstruction (uvec4): id, as of a fragment, of what weighs most along the ray, or
 // GW_NO_TRIANGLE; bits of its t; its normal, packSnorm4x8; bits of its weight. Of rays of pixels, for those who measure: the
 // normal on an octahedron, packSnorm2x16; bits of the share of the ray that met something.

@@ -14,14 +14,28 @@ layout(binding = 0) uniform usamplerBuffer nodes;
 layout(binding = 1) uniform usamplerBuffer references;
 layout(binding = 2) uniform usamplerBuffer triangles;
 layout(binding = 3) uniform usamplerBuffer payloads;
-#define NODE(index) texelFetch(nodes, int(index)).xy
 #define NODES_END uint(textureSize(nodes))
-#define REFERENCE(index) texelFetch(references, int(index)).x
+#ifdef CHECK_FETCHES
+// Nothing is read beyond the end of a buffer, and what would have been is reported: how often, and the least index of each.
+layout(std430, binding = 29) buffer Out_of_range { uint out_of_range[GW_RANGE_WORDS]; };
+int in_range(uint index, int end, int which) {
+    bool inside = index < uint(end);
+    if (!inside) {
+        atomicAdd(out_of_range[0], 1u);
+        atomicMin(out_of_range[1 + which], index);
+    }
+    return inside ? int(index) : 0;
+}
+#else
+#define in_range(index, end, which) int(index)
+#endif
+#define NODE(index) texelFetch(nodes, in_range(uint(index), textureSize(nodes), 0)).xy
+#define REFERENCE(index) texelFetch(references, in_range(uint(index), textureSize(references), 1)).x
 // k-th vertex of a triangle; w of vertex 0 holds flags.
-#define TRIANGLE(id, k) texelFetch(triangles, int(id) * 3 + (k))
-#define PAYLOAD(index) texelFetch(payloads, int(index)).xyz
+#define TRIANGLE(id, k) texelFetch(triangles, in_range(uint(id), textureSize(triangles) / 3, 2) * 3 + (k))
+#define PAYLOAD(index) texelFetch(payloads, in_range(uint(index), textureSize(payloads), 3)).xyz
 #ifdef DENSE_LEAVES
 layout(binding = 13) uniform usamplerBuffer boxes;
-#define BOX(index, k) texelFetch(boxes, int(index) * 2 + (k))
+#define BOX(index, k) texelFetch(boxes, in_range(uint(index), textureSize(boxes) / 2, 4) * 2 + (k))
 #endif
 #endif

@@ -114,7 +114,14 @@ Pixel_ray ray_of_square(Pixel_square square) {
 #else
     centre += frame.accumulation.xy;
 #endif
-    precise vec3 direction = frame.corner.xyz + frame.step_x.xyz * centre.x + frame.step_y.xyz * centre.y;
+#ifdef RAYS_FROM_THE_TILE // the naive variant, for the test that shows why
+    vec2 first = vec2(frame.window.xy);
+    vec3 corner = frame.corner.xyz + frame.step_x.xyz * first.x + frame.step_y.xyz * first.y;
+    centre -= first;
+#else
+    vec3 corner = frame.corner.xyz;
+#endif
+    precise vec3 direction = corner + frame.step_x.xyz * centre.x + frame.step_y.xyz * centre.y;
     ray.direction = direction;
     ray.width = pixel_width(direction) * side;
     ray.tau = frame.accuracy.y;

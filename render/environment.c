@@ -273,17 +273,22 @@ static void take_excess(gw_radiance_map *map, const grid *g, double *power, floa
 
 static void make_light(const part *p, const float *excess, const gw_radiance_map *map, const grid *g,
                        gw_light *out) {
-    double sum[3] = {0};
+    double sum[3] = {0}, texel = 0.0; /* steradians, mean by power */
     const double *m = p->light.moment;
     const double size = sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
     *out = (gw_light){.kind = GW_LIGHT_DIRECTIONAL};
     for (uint32_t y = p->y[0]; y < p->y[1]; ++y)
-        for (uint32_t x = p->x[0]; x < p->x[1]; ++x)
-            for (size_t c = 0; c < 3; ++c)
-                sum[c] += g->angle[y] * (double)excess[3 * ((size_t)y * map->width + x) + c];
+        for (uint32_t x = p->x[0]; x < p->x[1]; ++x) {
+            const float *rgb = excess + 3 * ((size_t)y * map->width + x);
+            const double here[3] = {g->angle[y] * (double)rgb[0], g->angle[y] * (double)rgb[1],
+                                    g->angle[y] * (double)rgb[2]};
+            for (int c = 0; c < 3; ++c)
+                sum[c] += here[c];
+            texel += g->angle[y] * luminance(here) / p->light.power;
+        }
     /* Directions over a disc of half-angle a have a variance of a^2 / 2; so has a texel about its middle. */
     const double variance = spread_of(&p->light) / p->light.power,
-                 half_angle = fmin(sqrt(2.0 * variance + g->angle[p->y[0]] / GW_PI), 1.2);
+                 half_angle = fmin(sqrt(2.0 * variance + texel / GW_PI), 1.2);
     for (int i = 0; i < 3; ++i) {
         out->vector[i] = -m[i] / size;
         out->color[i] = (float)(sum[i] * 0.5 * (1.0 + gw_cos(half_angle))); /* on a surface that faces it */

@@ -22,21 +22,22 @@ void main() {
     work = uvec4(0u);
 #endif
     uint fronts = 0u, backs = 0u;
-    bool ended = false;
-    while (!ended && iterations < LOOP_BUDGET) {
-        ++iterations;
+    bool ended = false, cut = false;
+    for (uint crossings = 0u; crossings < 256u && !ended && !cut; ++crossings) {
+        iterations = 0u; // of one crossing: the rays of the tests cross few triangles
         hit_t = ray.maximum;
         hit_triangle = GW_NO_TRIANGLE;
         list_cursor = 0u;
         walking = enter_root(ray.minimum);
         traverse();
+        cut = walking;
         ended = hit_triangle == GW_NO_TRIANGLE;
         fronts += uint(!ended && (hit_triangle & GW_HIT_BACK) == 0u);
         backs += uint(!ended && (hit_triangle & GW_HIT_BACK) != 0u);
         floor_t = hit_t;
         floor_triangle = hit_triangle;
     }
-    if (!ended)
+    if (!ended || cut)
         atomicAdd(totals[0], 1u);
     hits[slot] = uvec2(fronts, backs);
 }

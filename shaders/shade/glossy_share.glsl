@@ -17,17 +17,16 @@ bool reflects_as_gloss(uint id) {
 // Of a voxel the roughness of its surface counts, not how its normals lie apart, or it would stop to reflect at a gaze's border. From
 // four fifths of glossy_roughness on rays bring less and less, so that a map of roughness shows no line there.
 float glossy_share(uint id, Surface surface, out float roughness) {
+    float limit = frame.environment.w;
     roughness = surface.roughness;
-    bool facing = true;
 #ifdef LOD
     bool voxel = (id & GW_FRAGMENT_VOXEL) != 0u;
     uvec3 payload = PAYLOAD(voxel ? id & ~GW_FRAGMENT_VOXEL : 0u);
     roughness = voxel ? float(GW_PAYLOAD_ROUGHNESS_CODE(payload.z)) * (1.0 / 63.0) : roughness;
-    facing = !voxel || GW_PAYLOAD_HAS_NORMAL(payload.y);
+    limit = voxel && !GW_PAYLOAD_HAS_NORMAL(payload.y) ? 0.0 : limit;
 #endif
-    float limit = frame.environment.w;
     precise float share = clamp(5.0 - 5.0 * roughness / max(limit, 1e-6), 0.0, 1.0);
-    return limit > 0.0 && facing && reflects_as_gloss(id) ? share : 0.0;
+    return limit > 0.0 && reflects_as_gloss(id) ? share : 0.0;
 }
 
 Gloss gloss_at(Pixel_ray ray, uint id, float t) {

@@ -52,7 +52,7 @@ dragon/dragon_vrip_res2.ply.gz                                       202520 0 0
 dragon/dragon_vrip_res4.ply.gz                                       11102 0 0
 sponza/Sponza_LowPoly.gltf                                           63069 15 0
 testmodels/glTF2/2CylinderEngine-glTF-Binary/2CylinderEngine.glb     110336 11160 0
-testmodels/glTF2/ClearCoat-glTF/ClearCoatTest.gltf                   37116 0 5
+testmodels/glTF2/ClearCoat-glTF/ClearCoatTest.gltf                   37116 0 6
 testmodels/glTF2/IndexOutOfRange/IndexOutOfRange.gltf                11 1 0
 testmodels/glTF2/BoxTextured-glTF-Embedded/BoxTextured.gltf          12 0 1
 testmodels/glTF2/textureTransform/TextureTransformTest.gltf          24 0 5

@@ -108,7 +108,7 @@ is "bezels of 5 px on every side" "$(python3 -c 'import struct; print(*struct.un
 is "the picture without them" "$(python3 -c 'import struct; print(*struct.unpack(">II", open("bezels/wall.png", "rb").read(24)[16:]))')" "160 96"
 is "every key of the report" "$(python3 -c '
 import json
-keys = "version command device scene octree memory tiles frames ended frame_ms counters effects profile settings predicted_error latency_ms gate swap_skew_ms tracking float_environment build image site_reloads".split()
+keys = "version command device scene octree memory tiles frames ended frame_ms counters effects profile settings predicted_error latency_ms gate swap_skew_ms tracking float_environment build image site_reloads lights".split()
 d = json.load(open("track/report.json"))
 print(" ".join(d) == " ".join(keys), [k for k in keys if d[k] is None])')" "True ['memory']"
 is "the octree's hash is the same for all" "$(for name in 1x1 2x2 3x1 uneven track again; do json $name/report.json '["octree"]["hash"]'; done | sort -u | wc -l)" 1

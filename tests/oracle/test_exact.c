@@ -55,8 +55,9 @@ static int open_stage(void **state) {
     print_message("seed %d\n", SEED);
     gw_scene *scene = gw_test_scene(SEED);
     make_glow(scene);
-    check_ok(gw_stage_open(&stage, scene, NULL,
-                           (const char *const[]){"octree_depth=9", "dense_leaf=6", "tau=0", NULL}, &error));
+    check_ok(gw_stage_open(
+        &stage, scene, NULL,
+        (const char *const[]){"octree_depth=9", "dense_leaf=6", "tau=0", "emissive_lights=0", NULL}, &error));
     renderer = gw_stage_renderer(&stage);
     gw_camera_look(&camera, &stage, (const double[]){1.1, 0.7, 1.9}, (const double[]){0, -0.1, 0}, 38, SIDE);
     return 0;

@@ -60,7 +60,7 @@ const gw_knob gw_knobs[] = {
     {.name = "emissive_least", .exact = "0"},
     {.name = "emissive_faintest", .sweep = "0 0.125 0.25 0.5 1 2", .exact = "0"},
     {.name = "mirror_roughness", .sweep = "0 0.01 0.02 0.04 0.08"},
-    {.name = "glossy_roughness", .sweep = "0 0.1 0.2 0.3 0.4"},
+    {.name = "glossy_roughness", .sweep = "0 0.125 0.25 0.375 0.5"},
     {.name = "bounces", .sweep = "0 1 2 4 8", .exact = "8"},
     {.name = "least_throughput", .exact = "0"},
     {.name = "occlusion_cones", .exact = "6", .reference = GW_KNOB_OWN},

@@ -125,7 +125,7 @@
            "what emits less than this is seen to glow, but is no light; diffuse_bounce brings what it gives")             \
     GW_ROW(mirror_roughness, REAL, 0.02, 0.0, 0.25, "", FRAME, "", "rough metal shown as a mirror against rays", "0",      \
            "metal (metalness 1) of at most this roughness is a perfect mirror, whose reflections are traced")            \
-    GW_ROW(glossy_roughness, REAL, 0.0, 0.0, 1.0, "", FRAME, "", "what nearly smooth surfaces reflect against rays", "1, accumulate 256", \
+    GW_ROW(glossy_roughness, REAL, 0.25, 0.0, 1.0, "", FRAME, "", "what nearly smooth surfaces reflect against rays", "1, accumulate 256", \
            "surfaces smoother than this reflect what stands round them, a ray a sample; others the light from everywhere; 0: none do") \
     GW_ROW(bounces, INTEGER, 4, 0, 8, "", FRAME, "", "mirrors in mirrors and what stands behind glass against rays", "8",   \
            "secondary rays one behind the other; what lies beyond the last shows the light from everywhere")            \

@@ -31,14 +31,8 @@ float glossy_share(uint id, Surface surface, out float roughness) {
 
 Gloss gloss_at(Pixel_ray ray, uint id, float t) {
     Gloss gloss;
-    bool voxel = (id & GW_FRAGMENT_VOXEL) != 0u;
     vec3 view = -ray.direction / length_precise(ray.direction);
-    Surface surface = surface_of_triangle(voxel ? 0u : id, t, ray.origin, ray.direction, footprint_at(ray, t));
-#ifdef LOD
-    Surface other = surface_of_voxel(voxel ? id & ~GW_FRAGMENT_VOXEL : 0u, t, ray.origin, ray.direction);
-    if (voxel)
-        surface = other;
-#endif
+    Surface surface = surface_of_fragment(id, t, ray);
     see_surface(surface, view);
     vec3 reflected = environment_specular(surface, view);
     gloss.share = glossy_share(id, surface, gloss.roughness);

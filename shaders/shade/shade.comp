@@ -168,15 +168,7 @@ void main() {
         uint id = fragments[word];
         float t = uintBitsToFloat(fragments[word + 1u]);
         float weight = uintBitsToFloat(fragments[word + 2u]);
-#ifdef LOD
-        bool voxel = (id & GW_FRAGMENT_VOXEL) != 0u;
-        Surface surface = surface_of_triangle(voxel ? 0u : id, t, ray.origin, ray.direction, footprint_at(ray, t));
-        Surface other = surface_of_voxel(voxel ? id & ~GW_FRAGMENT_VOXEL : 0u, t, ray.origin, ray.direction);
-        if (voxel)
-            surface = other;
-#else
-        Surface surface = surface_of_triangle(id, t, ray.origin, ray.direction, footprint_at(ray, t));
-#endif
+        Surface surface = surface_of_fragment(id, t, ray);
 #ifdef TRANSMISSION
         Optics optics = optics_of(id, -view, surface.normal, surface.metalness, passing_of(surface), media);
         if (optics.boundary)

@@ -277,3 +277,17 @@ Surface surface_of_voxel(uint node, float t, vec3 origin, vec3 direction) {
     return surface;
 }
 #endif
+
+// Of a fragment: the triangle's, or the voxel's.
+Surface surface_of_fragment(uint id, float t, Pixel_ray ray) {
+#ifdef LOD
+    bool voxel = (id & GW_FRAGMENT_VOXEL) != 0u;
+    Surface surface = surface_of_triangle(voxel ? 0u : id, t, ray.origin, ray.direction, footprint_at(ray, t));
+    Surface other = surface_of_voxel(voxel ? id & ~GW_FRAGMENT_VOXEL : 0u, t, ray.origin, ray.direction);
+    if (voxel)
+        surface = other;
+    return surface;
+#else
+    return surface_of_triangle(id, t, ray.origin, ray.direction, footprint_at(ray, t));
+#endif
+}

@@ -60,6 +60,16 @@ static void add(drawn *d, const gw_accuracy_row *row, double standing, int ringe
     d->labels[i] = d->text[i];
 }
 
+/* Of two series, the first with its values' names. */
+static gw_plot errors_against_work(const char *title, const char *work, const gw_plot_series series[2]) {
+    return (gw_plot){.title = title,
+                     .x_label = work,
+                     .y_label = "error (mean FLIP; below 0.0001 drawn there)",
+                     .series = series,
+                     .series_count = 2,
+                     .tight = 1};
+}
+
 static gw_code draw(const gw_plot *plot, char **svg, size_t *size, gw_image *image, gw_error *error) {
     gw_code code = svg ? gw_plot_svg(plot, svg, size, error) : GW_OK;
     return code || !image ? code : gw_plot_image(plot, image, error);
@@ -81,12 +91,8 @@ static gw_code plot_curve(const gw_accuracy_scene *scene, const gw_accuracy_curv
     const gw_plot_series series[2] = {
         {.name = "FLIP", .x = d.work, .y = d.flip, .count = d.count, .labels = d.labels, .ringed = d.ringed},
         {.name = "as seen", .x = d.work, .y = d.seen, .count = d.count}};
-    const gw_plot plot = {.title = title,
-                          .x_label = "work, as a share of that of the value that stands",
-                          .y_label = "error (mean FLIP; below 0.0001 drawn there)",
-                          .series = series,
-                          .series_count = 2,
-                          .tight = 1};
+    const gw_plot plot =
+        errors_against_work(title, "work, as a share of that of the value that stands", series);
     if (!code)
         code = draw(&plot, svg, size, image, error);
     drop(&d);
@@ -132,12 +138,8 @@ static gw_code plot_scene(const gw_accuracy_scene *scene, char **svg, size_t *si
          .count = front.count,
          .labels = front.labels,
          .ringed = front.ringed}};
-    const gw_plot plot = {.title = title,
-                          .x_label = "work, as a share of that of the settings that stand",
-                          .y_label = "error (mean FLIP; below 0.0001 drawn there)",
-                          .series = series,
-                          .series_count = 2,
-                          .tight = 1};
+    const gw_plot plot =
+        errors_against_work(title, "work, as a share of that of the settings that stand", series);
     if (!code)
         code = draw(&plot, svg, size, image, error);
     free(order);

@@ -5,6 +5,7 @@
 #include "wall/mpirun_command.h"
 #include "wall/mpirun_sweep.h"
 #include "wall/share.h"
+#include "wall/spawn.h"
 #include "wall/verbs.h"
 
 #include <errno.h>
@@ -12,7 +13,6 @@
 #include <inttypes.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -84,19 +84,7 @@ static gw_code spawn(gw_launcher *l, char **command, gw_error *error) {
     posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
-    posix_spawnattr_t attributes;
-    posix_spawnattr_init(&attributes);
-    /* A group of its own: Ctrl-C comes to the launcher alone, which then ends the others in order. */
-    posix_spawnattr_setflags(&attributes,
-                             POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-    sigset_t none, all;
-    sigemptyset(&none);
-    sigfillset(&all);
-    posix_spawnattr_setsigmask(&attributes, &none);
-    posix_spawnattr_setsigdefault(&attributes, &all);
-    int failed = posix_spawn(&l->mpirun, command[0], &actions, &attributes, command, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    posix_spawnattr_destroy(&attributes);
+    int failed = gw_spawn(&l->mpirun, (const char *const *)command, &actions, GW_SPAWN_OWN_GROUP);
     close(ends[1]);
     l->output = ends[0];
     return failed ? gw_fail(error, GW_MACHINE, "%s cannot be started: %s", command[0], strerror(failed))

@@ -4,12 +4,12 @@
 
 #include "base/clock.h"
 #include "wall/mpirun_command.h"
+#include "wall/spawn.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
 #include <signal.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -111,18 +111,7 @@ static int spawn(gw_launcher *l, char **words, pid_t *out) {
     posix_spawn_file_actions_adddup2(&actions, secret[0], STDIN_FILENO);
     posix_spawn_file_actions_adddup2(&actions, l->restart_output[1], STDOUT_FILENO);
     posix_spawn_file_actions_adddup2(&actions, l->restart_output[1], STDERR_FILENO);
-    posix_spawnattr_t attributes;
-    posix_spawnattr_init(&attributes);
-    posix_spawnattr_setflags(&attributes,
-                             POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-    sigset_t none, all;
-    sigemptyset(&none);
-    sigfillset(&all);
-    posix_spawnattr_setsigmask(&attributes, &none);
-    posix_spawnattr_setsigdefault(&attributes, &all);
-    int failed = posix_spawn(out, words[0], &actions, &attributes, words, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    posix_spawnattr_destroy(&attributes);
+    int failed = gw_spawn(out, (const char *const *)words, &actions, GW_SPAWN_OWN_GROUP);
     close(secret[0]);
     return failed;
 }

@@ -2,13 +2,13 @@
 
 #include "base/file.h"
 #include "base/memory.h"
+#include "wall/spawn.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -95,24 +95,12 @@ static gw_code spawn(gw_video *video, double rate, int input, int output, gw_err
         "-c:v", "libx264", "-crf", "16", "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc",
         "iec61966-2-1", "-f", container_of(video->path), "-y", file, NULL};
     posix_spawn_file_actions_t actions;
-    posix_spawnattr_t attributes;
-    sigset_t none, all;
-    sigemptyset(&none);
-    sigfillset(&all);
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
     posix_spawn_file_actions_adddup2(&actions, output, STDERR_FILENO);
     posix_spawn_file_actions_adddup2(&actions, video->file, CHILD_FILE);
-    posix_spawnattr_init(&attributes);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-    posix_spawnattr_setsigmask(&attributes, &none);
-    posix_spawnattr_setsigdefault(&attributes, &all);
-    /* The words of a program's command line are not const for old reasons. */
-    int failed =
-        posix_spawn(&video->ffmpeg, words[0], &actions, &attributes, (char **)(uintptr_t)words, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    posix_spawnattr_destroy(&attributes);
+    int failed = gw_spawn(&video->ffmpeg, words, &actions, GW_SPAWN_SAME_GROUP);
     if (failed) {
         video->ffmpeg = 0;
         return gw_fail(error, GW_MACHINE, "ffmpeg cannot be started: %s", strerror(failed));

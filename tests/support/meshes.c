@@ -1,5 +1,7 @@
 #include "tests/support/meshes.h"
 
+#include "tests/support/random.h"
+
 #include "base/memory.h"
 #include "tests/support/check.h"
 
@@ -153,9 +155,5 @@ gw_scene *gw_mesh_take(gw_mesh *mesh) {
 }
 
 double gw_test_random(uint64_t *state) {
-    /* SplitMix64 (Steele, Lea, Flood 2014) */
-    uint64_t z = (*state += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+    return random_unit(state);
 }

@@ -1,6 +1,7 @@
 /* Calibration of made-up rooms: all 48 axis maps, usual and odd units, noise; what naive solutions do with
  * mirrors; bad points, points that cannot tell, points that are none; errors of gazes. */
 #include "tests/support/check.h"
+#include "tests/support/random.h"
 
 #include "tracking/calibrate.h"
 #include "tracking/quaternion.h"
@@ -9,18 +10,8 @@
 
 static uint64_t seed = 20250612;
 
-static double random_number(void) { /* -1 to 1; splitmix64 */
-    uint64_t z = seed += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1;
-}
-
-static double normal_number(void) { /* Irwin-Hall of 12 */
-    double sum = 0;
-    for (int i = 0; i < 12; i++)
-        sum += 0.5 * random_number();
-    return sum;
+static double random_number(void) { /* -1 to 1 */
+    return 2 * random_unit(&seed) - 1;
 }
 
 /* What the device reports at a place in wall space. */
@@ -48,7 +39,7 @@ static void measure(const gw_room *room, uint32_t count, int samples, int flat,
         for (int k = 0; k < 3; k++) {
             noisy[k] = points[i].wall[k];
             for (int s = 0; s < samples; s++)
-                noisy[k] += normal_number() / samples;
+                noisy[k] += random_normal(&seed) / samples;
         }
         report(room, noisy, points[i].device);
     }
@@ -336,8 +327,8 @@ static void gaze_errors_are_bias_and_spread(void **state) {
             way[k] = s->target[k] - s->eye[k];
         flat = hypot(way[0], way[2]);
         far = hypot(flat, way[1]);
-        const double right = tan((2 + 0.5 * normal_number()) / 57.29577951308232),
-                     up = tan((-1 + 0.5 * normal_number()) / 57.29577951308232);
+        const double right = tan((2 + 0.5 * random_normal(&seed)) / 57.29577951308232),
+                     up = tan((-1 + 0.5 * random_normal(&seed)) / 57.29577951308232);
         s->direction[0] = way[0] / far - way[2] / flat * right - way[1] * way[0] / (flat * far) * up;
         s->direction[1] = way[1] / far + flat / far * up;
         s->direction[2] = way[2] / far + way[0] / flat * right - way[1] * way[2] / (flat * far) * up;

@@ -1,6 +1,7 @@
 /* Where viewers look: heads, sensors and events in wall space, the meeting with the wall, fixations and their
  * degenerate cases; the smallest disk against all pairs and triples. */
 #include "tests/support/check.h"
+#include "tests/support/random.h"
 
 #include "tracking/gaze_model.h"
 #include "tracking/quaternion.h"
@@ -9,18 +10,8 @@
 
 static uint64_t seed = 7;
 
-static double random_number(void) { /* -1 to 1; splitmix64 */
-    uint64_t z = seed += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1;
-}
-
-static double normal_number(void) { /* Irwin-Hall of 12 */
-    double sum = 0;
-    for (int i = 0; i < 12; i++)
-        sum += 0.5 * random_number();
-    return sum;
+static double random_number(void) { /* -1 to 1 */
+    return 2 * random_unit(&seed) - 1;
 }
 
 static void assert_near(const double *a, const double *b, double tolerance) {
@@ -169,7 +160,7 @@ static void the_ellipse_holds_95_of_100(void **state) {
     const double slant[2] = {0.8, 0.6}, deviations[2] = {0.0349, 0.00873};
     for (int round = 0; round < ROUNDS; round++) {
         for (int i = 0; i < COUNT; i++) {
-            const double a = deviations[0] * normal_number(), b = deviations[1] * normal_number();
+            const double a = deviations[0] * random_normal(&seed), b = deviations[1] * random_normal(&seed);
             spots[i] = (gw_gaze_spot){
                 {1000 * (slant[0] * a - slant[1] * b), 1000 * (slant[1] * a + slant[0] * b), 0}, 1};
         }

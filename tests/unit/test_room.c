@@ -1,6 +1,7 @@
 /* From a device's numbers to wall space: all 48 axis maps against matrices, left-handed ones too; units; eyes
  * behind their sensors. */
 #include "tests/support/check.h"
+#include "tests/support/random.h"
 
 #include "tracking/quaternion.h"
 #include "tracking/setup.h"
@@ -9,11 +10,8 @@
 
 static uint64_t seed = 20250611;
 
-static double random_number(void) { /* -1 to 1; splitmix64 */
-    uint64_t z = seed += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1;
+static double random_number(void) { /* -1 to 1 */
+    return 2 * random_unit(&seed) - 1;
 }
 
 static void random_turn(double q[4]) {

@@ -18,6 +18,10 @@
 
 typedef struct gw_gl gw_gl;
 
+/* Storage buffers have a binding point each, the same in all kernels; OpenGL 4.5 promises 8 only, drivers
+ * give 32 to 96. */
+enum { GW_GL_STORAGE_BINDINGS = 31 };
+
 typedef struct gw_gl_limits {
     char vendor[128], renderer[256], version[256]; /* as the driver says; part of the build's identity */
     int64_t storage_block_bytes;                   /* GL_MAX_SHADER_STORAGE_BLOCK_SIZE */
@@ -25,6 +29,7 @@ typedef struct gw_gl_limits {
     int64_t work_groups[3];                        /* GL_MAX_COMPUTE_WORK_GROUP_COUNT */
     int32_t work_group_invocations, shared_bytes;
     int32_t storage_blocks, texture_units; /* in the compute stage */
+    int32_t storage_bindings;              /* GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS, of all stages */
     int32_t texture_side, texture_layers;  /* px of a 2D texture; layers of an array */
     int32_t program_binary_formats;        /* 0 is normal */
     int32_t resets_told;                   /* 1: the driver tells when the GPU was reset */

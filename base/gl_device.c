@@ -55,6 +55,7 @@ static void ask_limits(gw_gl_limits *limits) {
     limits->work_group_invocations = (int32_t)ask(GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS);
     limits->shared_bytes = (int32_t)ask(GL_MAX_COMPUTE_SHARED_MEMORY_SIZE);
     limits->storage_blocks = (int32_t)ask(GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS);
+    limits->storage_bindings = (int32_t)ask(GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS);
     limits->texture_units = (int32_t)ask(GL_MAX_COMPUTE_TEXTURE_IMAGE_UNITS);
     limits->texture_side = (int32_t)ask(GL_MAX_TEXTURE_SIZE);
     limits->texture_layers = (int32_t)ask(GL_MAX_ARRAY_TEXTURE_LAYERS);
@@ -100,6 +101,15 @@ gw_code gw_gl_create(const gw_gl_options *options, gw_gl **out, gw_error *error)
         return code;
     }
     ask_limits(&device->limits);
+    if (device->limits.storage_bindings < GW_GL_STORAGE_BINDINGS) {
+        code = gw_fail(error, GW_MACHINE,
+                       "the GL driver %s (%s) has %d binding points for storage buffers, %d are needed; use "
+                       "a newer driver, or Mesa's software OpenGL (LIBGL_ALWAYS_SOFTWARE=1)",
+                       device->limits.renderer, device->limits.version, device->limits.storage_bindings,
+                       GW_GL_STORAGE_BINDINGS);
+        gw_gl_destroy(&device);
+        return code;
+    }
     if (options && options->debug) {
         glEnable(GL_DEBUG_OUTPUT);
         glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);

@@ -64,7 +64,7 @@ static json_t *count(uint64_t value) {
 void gw_report_device(json_t *report, const gw_gl_limits *limits) {
     json_object_set_new(
         report, "device",
-        json_pack("{s:o, s:o, s:o, s:b, s:I, s:I, s:[I,I,I], s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:b}",
+        json_pack("{s:o, s:o, s:o, s:b, s:I, s:I, s:[I,I,I], s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:b}",
                   "vendor", text_or_null(limits->vendor), "renderer", text_or_null(limits->renderer),
                   "version", text_or_null(limits->version), "software", limits->software,
                   "storage_block_bytes", (json_int_t)limits->storage_block_bytes, "texture_buffer_texels",
@@ -72,9 +72,10 @@ void gw_report_device(json_t *report, const gw_gl_limits *limits) {
                   (json_int_t)limits->work_groups[0], (json_int_t)limits->work_groups[1],
                   (json_int_t)limits->work_groups[2], "work_group_invocations",
                   limits->work_group_invocations, "shared_bytes", limits->shared_bytes, "storage_blocks",
-                  limits->storage_blocks, "texture_units", limits->texture_units, "texture_side",
-                  limits->texture_side, "texture_layers", limits->texture_layers, "program_binary_formats",
-                  limits->program_binary_formats, "resets_told", limits->resets_told));
+                  limits->storage_blocks, "storage_bindings", limits->storage_bindings, "texture_units",
+                  limits->texture_units, "texture_side", limits->texture_side, "texture_layers",
+                  limits->texture_layers, "program_binary_formats", limits->program_binary_formats,
+                  "resets_told", limits->resets_told));
 }
 
 gw_code gw_report_floats(json_t *report, gw_gl *device, gw_error *error) {

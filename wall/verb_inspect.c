@@ -86,8 +86,8 @@ static const struct argp inspect_argp = {.options = options_table,
 static void print_device(const gw_gl_limits *l) {
     printf("renderer           %s (%s)%s\n", l->renderer, l->vendor, l->software ? ", software" : "");
     printf("version            %s\n", l->version);
-    printf("storage block      %.0f MiB, %d blocks a stage\n", (double)l->storage_block_bytes / 1048576.0,
-           l->storage_blocks);
+    printf("storage block      %.0f MiB, %d blocks a stage, %d binding points\n",
+           (double)l->storage_block_bytes / 1048576.0, l->storage_blocks, l->storage_bindings);
     printf("buffer texture     %" PRId64 " texels, %d units a stage\n", l->texture_buffer_texels,
            l->texture_units);
     printf("work groups        %" PRId64 " x %" PRId64 " x %" PRId64 ", %d invocations, %d bytes shared\n",

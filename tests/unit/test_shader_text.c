@@ -3,6 +3,7 @@
 
 #include "base/embedded.h"
 #include "base/file.h"
+#include "base/gl.h"
 #include "base/shader_text.h"
 
 static void put(const char *name, const char *text) {
@@ -148,6 +149,20 @@ static void embedded_files_are_found(void **state) {
     assert_null(gw_embedded_find(""));
 }
 
+/* Else a driver that passes the check of gw_gl_create would fail at a frame's first buffer. */
+static void no_buffer_lies_beyond_the_bindings_that_are_asked_for(void **state) {
+    (void)state;
+    static const char words[] = "layout(std430, binding = ";
+    int most = 0;
+    for (size_t i = 0; i < gw_embedded_count; i++)
+        for (const char *at = strstr((const char *)gw_embedded_files[i].data, words); at;
+             at = strstr(at + 1, words)) {
+            const int binding = atoi(at + strlen(words));
+            most = binding > most ? binding : most;
+        }
+    assert_int_equal(most + 1, GW_GL_STORAGE_BINDINGS);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_include_is_taken_once),
@@ -157,6 +172,7 @@ int main(void) {
         cmocka_unit_test(bad_includes_name_file_and_line),
         cmocka_unit_test(messages_are_mapped_to_files),
         cmocka_unit_test(embedded_files_are_found),
+        cmocka_unit_test(no_buffer_lies_beyond_the_bindings_that_are_asked_for),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

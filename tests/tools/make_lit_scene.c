@@ -10,15 +10,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_POINTS = 4096, MOST_INDICES = 16384, MESHES = 5, AROUND = 32, RINGS = 16, SKY = 128 };
+enum { MOST_POINTS = 8192, MOST_INDICES = 32768, MESHES = 5, AROUND = 72, RINGS = 36, SKY = 128 };
 
 typedef struct mesh {
     uint32_t first_point, points, first_index, indices;
+    int smooth; /* its points have normals */
     float low[3], high[3];
 } mesh;
 
-static float points[MOST_POINTS][3];
-static uint16_t indices[MOST_INDICES]; /* from each mesh's first point */
+static float points[MOST_POINTS][3], normals[MOST_POINTS][3]; /* normals: 0 but of smooth meshes */
+static uint16_t indices[MOST_INDICES];                        /* from each mesh's first point */
 static mesh meshes[MESHES];
 static uint32_t point_count, index_count;
 
@@ -63,6 +64,13 @@ static void add_ball(mesh *m, double x, double y, double z, double radius) {
             add_point(m, x + radius * gw_sin(down) * gw_cos(turn), y + radius * gw_cos(down),
                       z - radius * gw_sin(down) * gw_sin(turn));
         }
+    m->smooth = 1;
+    for (uint32_t i = m->first_point; i < point_count; ++i) {
+        const double out[3] = {points[i][0] - x, points[i][1] - y, points[i][2] - z};
+        const double length = sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2]);
+        for (int axis = 0; axis < 3; ++axis)
+            normals[i][axis] = (float)(out[axis] / length);
+    }
     for (int ring = 0; ring < RINGS; ++ring)
         for (int k = 0; k < AROUND; ++k) {
             const int next = (k + 1) % AROUND, above = 2 + (ring - 1) * AROUND, below = above + AROUND;
@@ -93,7 +101,7 @@ static void make_meshes(void) {
         m->first_point = point_count;
         m->first_index = index_count;
         if (i == 0) {
-            add_quad(m, (const double[]){-3, 0, 2}, (const double[]){6, 0, 0}, (const double[]){0, 0, -4});
+            add_quad(m, (const double[]){-9, 0, 3}, (const double[]){18, 0, 0}, (const double[]){0, 0, -12});
             add_quad(m, (const double[]){-3, 0, -2}, (const double[]){6, 0, 0}, (const double[]){0, 1.4, 0});
         } else if (i == 1) {
             add_ball(m, -0.15, 0.4, 0.5, 0.4);
@@ -122,42 +130,67 @@ static const char materials[] =
     "\"metallicFactor\": 0}, \"emissiveFactor\": [1, 0.85, 0.6], \"extensions\": "
     "{\"KHR_materials_emissive_strength\": {\"emissiveStrength\": 6}}}";
 
+enum { VIEWS = 3 }; /* points, normals, indices */
+
+static const void *const view_data[VIEWS] = {points, normals, indices};
+
+static void view_sizes(size_t sizes[VIEWS]) {
+    sizes[0] = point_count * sizeof points[0];
+    sizes[1] = point_count * sizeof normals[0];
+    sizes[2] = index_count * sizeof indices[0];
+}
+
+static size_t write_mesh(char *text, size_t size, int i) {
+    char normal[32] = "";
+    if (meshes[i].smooth)
+        snprintf(normal, sizeof normal, ", \"NORMAL\": %d", VIEWS * i + 1);
+    return (size_t)snprintf(
+        text, size,
+        "    {\"primitives\": [{\"attributes\": {\"POSITION\": %d%s}, \"indices\": %d, \"material\": %d}]}",
+        VIEWS * i, normal, VIEWS * i + 2, i);
+}
+
+static size_t write_accessors(char *text, size_t size, const mesh *m) {
+    return (size_t)snprintf(
+        text, size,
+        "    {\"bufferView\": 0, \"byteOffset\": %zu, \"componentType\": 5126, \"count\": %" PRIu32
+        ", \"type\": \"VEC3\", \"min\": [%.9g, %.9g, %.9g], \"max\": [%.9g, %.9g, %.9g]},\n"
+        "    {\"bufferView\": 1, \"byteOffset\": %zu, \"componentType\": 5126, \"count\": %" PRIu32
+        ", \"type\": \"VEC3\"},\n"
+        "    {\"bufferView\": 2, \"byteOffset\": %zu, \"componentType\": 5123, \"count\": %" PRIu32
+        ", \"type\": \"SCALAR\"}",
+        m->first_point * sizeof points[0], m->points, (double)m->low[0], (double)m->low[1], (double)m->low[2],
+        (double)m->high[0], (double)m->high[1], (double)m->high[2], m->first_point * sizeof normals[0],
+        m->points, m->first_index * sizeof indices[0], m->indices);
+}
+
 static size_t write_gltf(char *text, size_t size) {
+    size_t sizes[VIEWS], from = 0;
+    view_sizes(sizes);
     size_t used = (size_t)snprintf(
         text, size,
         "{\n  \"asset\": {\"version\": \"2.0\", \"generator\": \"make_lit_scene\"},\n"
         "  \"extensionsUsed\": [\"KHR_materials_transmission\", \"KHR_materials_volume\", "
         "\"KHR_materials_emissive_strength\"],\n"
         "  \"scene\": 0, \"scenes\": [{\"nodes\": [0, 1, 2, 3, 4]}],\n"
-        "  \"buffers\": [{\"uri\": \"lit.bin\", \"byteLength\": %zu}],\n"
-        "  \"bufferViews\": [{\"buffer\": 0, \"byteLength\": %zu}, {\"buffer\": 0, \"byteOffset\": %zu, "
-        "\"byteLength\": %zu}],\n  \"materials\": [\n    %s\n  ],\n",
-        point_count * sizeof points[0] + index_count * sizeof indices[0], point_count * sizeof points[0],
-        point_count * sizeof points[0], index_count * sizeof indices[0], materials);
+        "  \"buffers\": [{\"uri\": \"lit.bin\", \"byteLength\": %zu}],\n  \"materials\": [\n    %s\n  ],\n",
+        sizes[0] + sizes[1] + sizes[2], materials);
+    used += (size_t)snprintf(text + used, size - used, "  \"bufferViews\": [\n");
+    for (int view = 0; view < VIEWS; from += sizes[view++])
+        used += (size_t)snprintf(text + used, size - used,
+                                 "    {\"buffer\": 0, \"byteOffset\": %zu, \"byteLength\": %zu}%s\n", from,
+                                 sizes[view], view + 1 < VIEWS ? "," : "\n  ],");
     static const char *const lists[3] = {"nodes", "meshes", "accessors"};
     for (int list = 0; list < 3; ++list) {
         used += (size_t)snprintf(text + used, size - used, "  \"%s\": [\n", lists[list]);
         for (int i = 0; i < MESHES; ++i) {
-            const mesh *m = &meshes[i];
-            const char *end = i + 1 < MESHES ? "," : list < 2 ? "\n  ]," : "\n  ]";
-            if (list == 0)
-                used += (size_t)snprintf(text + used, size - used, "    {\"mesh\": %d}%s\n", i, end);
-            else if (list == 1)
-                used += (size_t)snprintf(text + used, size - used,
-                                         "    {\"primitives\": [{\"attributes\": {\"POSITION\": %d}, "
-                                         "\"indices\": %d, \"material\": %d}]}%s\n",
-                                         2 * i, 2 * i + 1, i, end);
-            else
-                used += (size_t)snprintf(
-                    text + used, size - used,
-                    "    {\"bufferView\": 0, \"byteOffset\": %zu, \"componentType\": 5126, \"count\": "
-                    "%" PRIu32
-                    ", \"type\": \"VEC3\", \"min\": [%.9g, %.9g, %.9g], \"max\": [%.9g, %.9g, %.9g]},\n"
-                    "    {\"bufferView\": 1, \"byteOffset\": %zu, \"componentType\": 5123, \"count\": "
-                    "%" PRIu32 ", \"type\": \"SCALAR\"}%s\n",
-                    m->first_point * sizeof points[0], m->points, (double)m->low[0], (double)m->low[1],
-                    (double)m->low[2], (double)m->high[0], (double)m->high[1], (double)m->high[2],
-                    m->first_index * sizeof indices[0], m->indices, end);
+            used += list == 0   ? (size_t)snprintf(text + used, size - used, "    {\"mesh\": %d}", i)
+                    : list == 1 ? write_mesh(text + used, size - used, i)
+                                : write_accessors(text + used, size - used, &meshes[i]);
+            used += (size_t)snprintf(text + used, size - used, "%s\n",
+                                     i + 1 < MESHES ? ","
+                                     : list < 2     ? "\n  ],"
+                                                    : "\n  ]");
         }
     }
     return used + (size_t)snprintf(text + used, size - used, "}\n");
@@ -201,16 +234,18 @@ static void save(const char *folder, const char *name, const void *data, size_t 
 
 int main(int argc, char **argv) {
     static char text[1 << 15];
-    static uint8_t bytes[sizeof points + sizeof indices + SKY * SKY * 2 + 128];
+    static uint8_t bytes[sizeof points + sizeof normals + sizeof indices + SKY * SKY * 2 + 128];
+    size_t sizes[VIEWS], size = 0;
     if (argc != 2) {
         fprintf(stderr, "make_lit_scene FOLDER\n");
         return 2;
     }
     make_meshes();
     save(argv[1], "lit.gltf", text, write_gltf(text, sizeof text));
-    memcpy(bytes, points, point_count * sizeof points[0]);
-    memcpy(bytes + point_count * sizeof points[0], indices, index_count * sizeof indices[0]);
-    save(argv[1], "lit.bin", bytes, point_count * sizeof points[0] + index_count * sizeof indices[0]);
+    view_sizes(sizes);
+    for (int view = 0; view < VIEWS; size += sizes[view++])
+        memcpy(bytes + size, view_data[view], sizes[view]);
+    save(argv[1], "lit.bin", bytes, size);
     save(argv[1], "lit-sky.hdr", bytes, write_sky(bytes));
     return 0;
 }

@@ -6,6 +6,7 @@
 #include "wall/console.h"
 #include "wall/interrupt.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -96,10 +97,13 @@ int gw_verbs_run(int argc, char **argv) {
             gw_interrupt_install();
         code = verb->run(argc - 1, argv + 1);
     }
-    if (fflush(stdout) && code == GW_OK) {
+    const int unwritten = fflush(stdout) ? errno : ferror(stdout) ? EIO : 0;
+    if (unwritten && code == GW_OK) {
         gw_error error = {0};
-        gw_fail(&error, GW_NO_OUTPUT, "standard output could not be written; is its disk full?");
-        code = gw_console_fail(NULL, &error);
+        code = gw_fail(&error, GW_NO_OUTPUT, "standard output could not be written: %s", strerror(unwritten));
+        /* Who reads on through 'head' has seen enough, and wants no word about it. */
+        if (unwritten != EPIPE)
+            gw_console_fail(NULL, &error);
     }
     return code;
 }

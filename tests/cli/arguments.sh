@@ -159,8 +159,10 @@ expect "no such shaders" 2 "nowhere" render "${scene[@]}" --size 32x32 --shaders
 if [ -c /dev/full ]; then
     timeout 60 "$program" settings >/dev/full 2>"$folder/full"
     is "standard output that is full" $? 5
-    has "it says so" "$(cat "$folder/full")" "standard output could not be written"
+    has "it says so" "$(cat "$folder/full")" "standard output could not be written: No space left"
 fi
+(sleep 1; "$program" settings 2>"$folder/pipe"; echo "code $?" >>"$folder/pipe") | true
+is "a reader that has seen enough is told nothing, its script is" "$(cat "$folder/pipe")" "code 5"
 
 # --- the cache of octrees
 cached() {

@@ -241,16 +241,15 @@ static gw_features features_of_tone(const gw_frame_state *state) {
 }
 
 /* Cones need voxels, also where everything else ends at triangles. */
-static gw_features features_of_cones(const gw_frame_state *state, gw_features scene_features) {
-    const int lit = (scene_features & (GW_FEATURE_SHADOWS | GW_FEATURE_EMISSIVE)) != 0;
+static gw_features features_of_cones(const gw_frame_state *state) {
     if (state->cones == 0 || state->bounces == 0)
         return 0;
-    return GW_FEATURE_OCCLUSION | (state->diffuse_bounce && lit ? GW_FEATURE_DIFFUSE : 0) |
+    return GW_FEATURE_OCCLUSION | (state->diffuse_bounce ? GW_FEATURE_DIFFUSE : 0) |
            (state->geometry != GW_GEOMETRY_TRIANGLES ? GW_FEATURE_LOD : 0);
 }
 
 gw_features gw_features_of_frame(const gw_frame_state *state, uint32_t viewers, gw_features scene_features) {
-    gw_features bits = features_of_cones(state, scene_features);
+    gw_features bits = features_of_cones(state);
     float coarsest = viewers > 0 && state->tau > state->tau_inside ? state->tau : state->tau_inside;
     if (state->geometry == GW_GEOMETRY_VOXELS || (state->geometry == GW_GEOMETRY_HYBRID && coarsest > 0.0f))
         bits |= GW_FEATURE_LOD;

@@ -10,12 +10,13 @@ static int shows_work(uint8_t debug) {
 }
 
 gw_features gw_frame_calls_for(const gw_renderer *renderer, const gw_frame_state *state, uint32_t viewers) {
-    /* Nothing covers light from everywhere where there is none. */
+    /* Nothing covers light from everywhere where there is none, and nothing passes on what nothing sends. */
     const float *ambient = renderer->scene->ambient;
     const int dark = ambient[0] <= 0.0f && ambient[1] <= 0.0f && ambient[2] <= 0.0f &&
                      !(renderer->scene_features & GW_FEATURE_ENVIRONMENT);
+    const int lit = !dark || (renderer->scene_features & (GW_FEATURE_SHADOWS | GW_FEATURE_EMISSIVE));
     return gw_features_of_frame(state, viewers, renderer->scene_features) &
-           ~(dark ? GW_FEATURE_OCCLUSION : 0);
+           ~(dark ? GW_FEATURE_OCCLUSION : 0) & ~(lit ? 0 : GW_FEATURE_DIFFUSE);
 }
 
 gw_kernel_key gw_frame_key(const gw_renderer *renderer, const gw_frame_state *state, uint32_t viewers,

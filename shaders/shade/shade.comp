@@ -117,18 +117,22 @@ vec3 finish(vec4 sum, float left, vec3 background) {
 }
 
 #if defined(CONES) && defined(REFLECTED)
+#define IS_CONE(ray) ((ray).reach != 0.0)
+
 // What a cone meets counts fully up to half of its reach, and not at all from there on.
 float cone_weight(Pixel_ray ray, float t, float weight) {
     precise float share = clamp(2.0 - 2.0 * t / max(abs(ray.reach), 1e-30), 0.0, 1.0);
     precise float counted = weight * share;
-    return ray.reach != 0.0 ? counted : weight;
+    return IS_CONE(ray) ? counted : weight;
 }
 
 // What of a cone met nothing that counts.
 float open_share(Pixel_ray ray, vec4 sum, float left) {
     float open = max(left, 1.0 - sum.w);
-    return ray.reach != 0.0 ? (open >= OPAQUE_REMAINDER ? open : 0.0) : left;
+    return IS_CONE(ray) ? (open >= OPAQUE_REMAINDER ? open : 0.0) : left;
 }
+#else
+#define IS_CONE(ray) false
 #endif
 
 void main() {
@@ -198,7 +202,7 @@ void main() {
 #if defined(CONES) && defined(REFLECTED) && defined(EMISSIVE_LIGHTS)
         // Lights bring it where cones start.
         float brightest = max(max(rest.emissive.r, rest.emissive.g), rest.emissive.b), least = frame.environment_mean.w;
-        rest.emissive *= ray.reach != 0.0 && least > 0.0 && brightest >= least ? 1.0 - lit_of(rest) : 1.0;
+        rest.emissive *= IS_CONE(ray) && least > 0.0 && brightest >= least ? 1.0 - lit_of(rest) : 1.0;
 #endif
         float seen = 0.0;
 #if defined(EMISSIVE_LIGHTS) && defined(MIRROR)
@@ -217,7 +221,7 @@ void main() {
         lit = with_secondary(lit, rest, view, id, slot * FRAGMENTS + i);
 #endif
 #ifdef TRANSMISSION
-        lit = with_transmitted(lit, surface, view, optics, asked_of[slot * FRAGMENTS + i]);
+        lit = with_transmitted(lit, surface, view, optics, asked_of[slot * FRAGMENTS + i], IS_CONE(ray));
         lit *= left_of_light(media, t * length_precise(ray.direction));
         if (optics.passed)
             passed_into = optics.beyond;
@@ -244,7 +248,7 @@ void main() {
     vec3 background = radiance_behind(ray);
 #if defined(CONES) && defined(REFLECTED)
     left = open_share(ray, sum, left);
-    background = ray.reach != 0.0 ? vec3(0.0) : background;
+    background = IS_CONE(ray) ? vec3(0.0) : background;
 #endif
 #if defined(GLOSSY) && defined(REFLECTED)
     bool glossy = (given_rays[slot * GW_SECONDARY_ROWS + 3u].w & GW_GLOSSY_RAY) != 0u;

@@ -1,7 +1,6 @@
 /* What lights give a surface, against their formulas: a white floor seen from above. */
 #include "tests/support/check.h"
 
-#include "base/image.h"
 #include "base/srgb.h"
 #include "render/features.h"
 #include "tests/support/meshes.h"
@@ -114,20 +113,6 @@ static void spots_follow_the_standard(void **state) {
     gw_stage_close(&stage);
 }
 
-/* A sky of 0.5 over a ground of 0.25, and a sun at 45 degrees to the right (+x), 1.4 degrees wide. */
-enum { MAP_WIDE = 256, MAP_HIGH = 128, SUN_X = 192, SUN_Y = 32 };
-
-static void give_sky(gw_scene *scene, int with_sun) {
-    gw_image *image = &scene->environment.rgbe;
-    gw_error error = {0};
-    assert_int_equal(gw_image_create(MAP_WIDE, MAP_HIGH, image, &error), GW_OK);
-    for (int i = 0; i < MAP_WIDE * MAP_HIGH; ++i)
-        memcpy(image->rgba + 4 * i, i < MAP_WIDE * MAP_HIGH / 2 ? "\x80\x80\x80\x80" : "\x40\x40\x40\x80", 4);
-    if (with_sun)
-        memcpy(image->rgba + 4 * (SUN_Y * MAP_WIDE + SUN_X), "\x80\x80\x80\x8c", 4); /* 2048 */
-    scene->environment.scale = 1.0f;
-}
-
 /* The floor under a sky, with a wall of 1 m along x = 0. */
 static void open_sky(gw_stage *stage, int with_sun) {
     gw_mesh mesh = {0};
@@ -141,7 +126,7 @@ static void open_sky(gw_stage *stage, int with_sun) {
         scene->materials[0].base_color[i] = 0.2f;
     }
     scene->materials[0].roughness = 1.0f;
-    give_sky(scene, with_sun);
+    gw_give_sky(scene, with_sun);
     check_ok(gw_stage_open(stage, scene, NULL, exact, &error));
 }
 
@@ -168,8 +153,7 @@ static void suns_of_environments_cast_shadows(void **state) {
     gw_camera camera;
     open_sky(&stage, 1);
     look_down(&camera, &stage);
-    const double pi = 3.14159265358979, texel = (cos(pi * 32 / 128) - cos(pi * 33 / 128)) * 2 * pi / 256;
-    const double sun = 2048.0 * texel * cos(pi * 32.5 / 128), sky = 0.5 * pi;
+    const double pi = 3.14159265358979, sun = gw_sky_irradiance_of_sun(), sky = 0.5 * pi;
     const double lit = (sun + sky) * 0.2 / pi, shaded = sky * 0.2 / pi;
     for (int lights = 0; lights <= 8; lights += 8) {
         gw_counters counters = {0};

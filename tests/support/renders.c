@@ -3,6 +3,7 @@
 
 #include "base/embedded.h"
 #include "base/file.h"
+#include "base/image.h"
 #include "base/srgb.h"
 #include "tests/support/check.h"
 
@@ -160,6 +161,25 @@ const char *gw_naive_shaders(char path[512], const char *folder, const char *fil
         free(parent);
     }
     return path;
+}
+
+enum { SKY_WIDE = 256, SKY_HIGH = 128, SUN_X = 192, SUN_Y = 32 };
+
+void gw_give_sky(gw_scene *scene, int with_sun) {
+    gw_image *image = &scene->environment.rgbe;
+    gw_error error = {0};
+    must(gw_image_create(SKY_WIDE, SKY_HIGH, image, &error), &error);
+    for (int i = 0; i < SKY_WIDE * SKY_HIGH; ++i)
+        memcpy(image->rgba + 4 * i, i < SKY_WIDE * SKY_HIGH / 2 ? "\x80\x80\x80\x80" : "\x40\x40\x40\x80", 4);
+    if (with_sun)
+        memcpy(image->rgba + 4 * (SUN_Y * SKY_WIDE + SUN_X), "\x80\x80\x80\x8c", 4); /* 2048 */
+    scene->environment.scale = 1.0f;
+}
+
+double gw_sky_irradiance_of_sun(void) {
+    const double pi = 3.14159265358979, row = pi / SKY_HIGH;
+    const double texel = (cos(row * SUN_Y) - cos(row * (SUN_Y + 1))) * 2 * pi / SKY_WIDE;
+    return 2048.0 * texel * cos(row * (SUN_Y + 0.5));
 }
 
 void gw_crop_textures(gw_scene *scene, uint32_t side) {

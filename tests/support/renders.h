@@ -54,6 +54,12 @@ uint8_t *gw_stage_take(const gw_stage *stage, const gw_camera *camera, const gw_
  * naive variants for tests that show why the shipped one is another. Returns path, the folder. */
 const char *gw_naive_shaders(char path[512], const char *folder, const char *file, const char *define);
 
+/* A sky of radiance 0.5 over a ground of 0.25, and a sun at 45 degrees to the right (+x), 1.4 degrees wide.
+ */
+void gw_give_sky(gw_scene *scene, int with_sun);
+/* What the sun gives a floor. */
+double gw_sky_irradiance_of_sun(void);
+
 /* Leaves of every texture a corner of at most this side, px: making the levels of large ones takes a second
  * for each renderer. */
 void gw_crop_textures(gw_scene *scene, uint32_t side);

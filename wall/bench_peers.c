@@ -45,6 +45,7 @@ typedef struct peers {
     gw_ray *rays;
     gw_hit *ours, *theirs;
     double our_ms[1000], their_ms[1000];
+    double stream_ms[1000]; /* of theirs, in packets */
     double kernel_ms[1000]; /* of ours, without copying rays and hits to and from the device */
     gw_bench_view view;     /* whose rays they are */
     gw_frame_state state;   /* of the foveated frame */
@@ -82,7 +83,10 @@ static gw_code trace_both(peers *p, uint32_t repeats, gw_error *error) {
                                          error);
         int64_t middle = clock_of(p);
         if (!code)
-            code = gw_peer_trace(p->peer, p->rays, p->count, p->theirs, error);
+            code = gw_peer_trace(p->peer, GW_PEER_STREAM, p->rays, p->count, p->theirs, error);
+        int64_t packed = clock_of(p);
+        if (!code)
+            code = gw_peer_trace(p->peer, GW_PEER_SINGLE, p->rays, p->count, p->theirs, error);
         int64_t end = clock_of(p);
         double foveated = 0;
         if (!code)
@@ -91,7 +95,8 @@ static gw_code trace_both(peers *p, uint32_t repeats, gw_error *error) {
             p->foveated_ms[i - 1] = foveated;
             p->our_ms[i - 1] = (double)(middle - begin) * 1e-6;
             p->kernel_ms[i - 1] = p->by_processor ? kernels.processor_ms : kernels.wall_ms;
-            p->their_ms[i - 1] = (double)(end - middle) * 1e-6;
+            p->stream_ms[i - 1] = (double)(packed - middle) * 1e-6;
+            p->their_ms[i - 1] = (double)(end - packed) * 1e-6;
         }
         gw_log_progress(&p->bench->console.log, "tracing in turns", (double)(i + 1) / (repeats + 1));
     }
@@ -155,6 +160,7 @@ static void report_peers(peers *p, const comparison *c, uint32_t repeats, const 
                          const gw_spread *theirs) {
     double rays = (double)p->count, kernels = gw_spread_of(p->kernel_ms, repeats).median;
     double foveated = gw_spread_of(p->foveated_ms, repeats).median;
+    double stream = gw_spread_of(p->stream_ms, repeats).median;
     json_t *hits = json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f}", "rays", (json_int_t)c->rays,
                              "both_miss", (json_int_t)c->both_miss, "same", (json_int_t)c->same, "neighbour",
                              (json_int_t)c->neighbour, "edge_ours", (json_int_t)c->edge_ours, "edge_theirs",
@@ -162,15 +168,16 @@ static void report_peers(peers *p, const comparison *c, uint32_t repeats, const 
                              "largest_difference", c->largest_difference);
     json_object_set_new(
         p->bench->report, "bench",
-        json_pack("{s:s, s:s, s:s, s:s, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:o, s:f, s:f, s:{s:f, s:I, "
-                  "s:f, s:f}}",
+        json_pack("{s:s, s:s, s:s, s:s, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:o, s:f, s:f, s:f, s:f, "
+                  "s:{s:f, s:I, s:f, s:f}}",
                   "name", "peers", "clock", p->by_processor ? "processor" : "wall", "peer",
                   gw_peer_name(p->peer), "peer_mode", "rtcIntersect1, robust", "repeats", (int)repeats,
                   "our_median_ms", ours->median, "their_median_ms", theirs->median, "our_rays_per_s",
                   rays / (ours->median * 1e-3), "their_rays_per_s", rays / (theirs->median * 1e-3), "ratio",
                   ours->median / theirs->median, "our_kernels_median_ms", kernels, "ratio_of_kernels",
                   kernels / theirs->median, "hits", hits, "rate_over_peer", theirs->median / ours->median,
-                  "rate_target", rate_target, "foveated", "median_ms", foveated, "rays",
+                  "rate_target", rate_target, "their_stream_median_ms", stream, "rate_over_peer_stream",
+                  stream / ours->median, "foveated", "median_ms", foveated, "rays",
                   (json_int_t)p->foveated_rays, "peer_full_over_foveated", theirs->median / foveated,
                   "target", foveated_target));
 }
@@ -181,9 +188,10 @@ static gw_code write_rows(const peers *p, uint32_t repeats, gw_error *error) {
     FILE *stream = open_memstream(&text, &size);
     if (!stream)
         return gw_fail(error, GW_MACHINE, "memory is out while writing results");
-    fputs("run,our_ms,their_ms,our_foveated_ms\n", stream);
+    fputs("run,our_ms,their_ms,their_stream_ms,our_foveated_ms\n", stream);
     for (uint32_t i = 0; i < repeats; i++)
-        fprintf(stream, "%" PRIu32 ",%.3f,%.3f,%.3f\n", i, p->our_ms[i], p->their_ms[i], p->foveated_ms[i]);
+        fprintf(stream, "%" PRIu32 ",%.3f,%.3f,%.3f,%.3f\n", i, p->our_ms[i], p->their_ms[i], p->stream_ms[i],
+                p->foveated_ms[i]);
     fclose(stream);
     gw_code code = gw_bench_write(p->bench, "peers", text, size, error);
     free(text);
@@ -198,6 +206,7 @@ static void print_summary(const peers *p, const comparison *c, uint32_t repeats,
                           const gw_spread *theirs) {
     double rays = (double)p->count, kernels = gw_spread_of(p->kernel_ms, repeats).median;
     const gw_spread foveated = gw_spread_of(p->foveated_ms, repeats);
+    const gw_spread stream = gw_spread_of(p->stream_ms, repeats);
     printf("%s: %zu primary rays, in turns, by the %s clock, median (from to)\n", p->bench->model.scene->path,
            p->count, p->by_processor ? "processor" : "wall");
     printf("  gazewall   %8.1f ms (%.1f to %.1f), %.2f million rays/s on %s\n", ours->median, ours->minimum,
@@ -207,14 +216,18 @@ static void print_summary(const peers *p, const comparison *c, uint32_t repeats,
     printf("  %-10s %8.1f ms (%.1f to %.1f), %.2f million rays/s, rtcIntersect1, robust\n",
            gw_peer_name(p->peer), theirs->median, theirs->minimum, theirs->maximum,
            rays / theirs->median * 1e-3);
+    printf("   packets   %8.1f ms (%.1f to %.1f), %.2f million rays/s, rtcIntersect1M, coherent, robust\n",
+           stream.median, stream.minimum, stream.maximum, rays / stream.median * 1e-3);
     printf("  ratio of the medians %.2f, without copies %.2f\n", ours->median / theirs->median,
            kernels / theirs->median);
     print_target("our rate over theirs", theirs->median / ours->median, rate_target);
+    printf("  our rate over that of their packets %.2f\n", stream.median / ours->median);
     printf("  foveated   %8.1f ms (%.1f to %.1f), %.1f %% of the rays: sampled, traced, shaded, "
            "reconstructed; without "
            "shadows and mirrors\n",
            foveated.median, foveated.minimum, foveated.maximum, 100.0 * (double)p->foveated_rays / rays);
     print_target("their full frame over our foveated one", theirs->median / foveated.median, foveated_target);
+    printf("  their full frame of packets over our foveated one %.2f\n", stream.median / foveated.median);
     printf("  hits: %" PRIu64 " the same, %" PRIu64 " both miss, %" PRIu64
            " the neighbour at the same distance; distances within %.1e\n"
            "  an edge that only we hit %" PRIu64 ", that only they hit %" PRIu64 "; not explained %" PRIu64

@@ -148,7 +148,7 @@ static uint64_t count_failures(const ladder *l, const family *f, size_t count) {
 static gw_code trace_batch(ladder *l, const family *f, const rung *r, gw_peer *peer, size_t count, double *ms,
                            gw_error *error) {
     if (peer)
-        return gw_peer_trace(peer, l->rays, count, l->hits, error);
+        return gw_peer_trace(peer, GW_PEER_STREAM, l->rays, count, l->hits, error);
     const gw_trace_variant variant = {.kernel = f->counted == ENTERED_ONLY ? "bench/parity.comp" : NULL,
                                       .defines = r->defines};
     gw_trace_time time = {0};

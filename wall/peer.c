@@ -36,6 +36,7 @@
     X(rtcSetNewGeometryBuffer)                                                                               \
     X(rtcCommitGeometry)                                                                                     \
     X(rtcAttachGeometry)                                                                                     \
+    X(rtcIntersect1)                                                                                         \
     X(rtcIntersect1M)
 
 struct gw_peer {
@@ -131,6 +132,7 @@ const char *gw_peer_name(const gw_peer *peer) {
 /* A thread's part of the rays. */
 typedef struct part {
     gw_peer *peer;
+    gw_peer_way way;
     const gw_ray *rays;
     gw_hit *hits;
     size_t begin, end;
@@ -138,43 +140,65 @@ typedef struct part {
 
 enum { BATCH = 256 };
 
-static void trace_batch(const part *p, size_t begin, size_t count) {
-    struct RTCRayHit batch[BATCH];
-    for (size_t i = 0; i < count; i++) {
-        const gw_ray *ray = &p->rays[begin + i];
-        memset(&batch[i], 0, sizeof batch[i]);
-        struct RTCRay *r = &batch[i].ray;
-        r->org_x = ray->origin[0];
-        r->org_y = ray->origin[1];
-        r->org_z = ray->origin[2];
-        r->dir_x = ray->direction[0];
-        r->dir_y = ray->direction[1];
-        r->dir_z = ray->direction[2];
-        r->tnear = ray->minimum;
-        r->tfar = ray->maximum;
-        r->mask = UINT32_MAX;
-        batch[i].hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        batch[i].hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    }
+static struct RTCRayHit query_of(const gw_ray *ray) {
+    struct RTCRayHit query = {0};
+    query.ray.org_x = ray->origin[0];
+    query.ray.org_y = ray->origin[1];
+    query.ray.org_z = ray->origin[2];
+    query.ray.dir_x = ray->direction[0];
+    query.ray.dir_y = ray->direction[1];
+    query.ray.dir_z = ray->direction[2];
+    query.ray.tnear = ray->minimum;
+    query.ray.tfar = ray->maximum;
+    query.ray.mask = UINT32_MAX;
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    return query;
+}
+
+static gw_hit hit_of(const struct RTCRayHit *answer, const gw_ray *ray) {
+    int met = answer->hit.geomID != RTC_INVALID_GEOMETRY_ID;
+    return (gw_hit){.t = met ? answer->ray.tfar : ray->maximum,
+                    .triangle = met ? answer->hit.primID : GW_NO_TRIANGLE};
+}
+
+static void trace_singly(const part *p, size_t begin, size_t count) {
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    p->peer->rtcIntersect1M(p->peer->scene, &context, batch, (unsigned)count, sizeof batch[0]);
-    for (size_t i = 0; i < count; i++) {
-        int hit = batch[i].hit.geomID != RTC_INVALID_GEOMETRY_ID;
-        p->hits[begin + i].t = hit ? batch[i].ray.tfar : p->rays[begin + i].maximum;
-        p->hits[begin + i].triangle = hit ? batch[i].hit.primID : GW_NO_TRIANGLE;
+    for (size_t i = begin; i < begin + count; i++) {
+        struct RTCRayHit query = query_of(&p->rays[i]);
+        p->peer->rtcIntersect1(p->peer->scene, &context, &query);
+        p->hits[i] = hit_of(&query, &p->rays[i]);
     }
+}
+
+static void trace_stream(const part *p, size_t begin, size_t count) {
+    struct RTCRayHit batch[BATCH];
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    for (size_t i = 0; i < count; i++)
+        batch[i] = query_of(&p->rays[begin + i]);
+    p->peer->rtcIntersect1M(p->peer->scene, &context, batch, (unsigned)count, sizeof batch[0]);
+    for (size_t i = 0; i < count; i++)
+        p->hits[begin + i] = hit_of(&batch[i], &p->rays[begin + i]);
 }
 
 static void *trace_part(void *argument) {
     const part *p = argument;
-    for (size_t begin = p->begin; begin < p->end; begin += BATCH)
-        trace_batch(p, begin, p->end - begin < BATCH ? p->end - begin : BATCH);
+    for (size_t begin = p->begin; begin < p->end; begin += BATCH) {
+        size_t count = p->end - begin < BATCH ? p->end - begin : BATCH;
+        if (p->way == GW_PEER_SINGLE)
+            trace_singly(p, begin, count);
+        else
+            trace_stream(p, begin, count);
+    }
     return NULL;
 }
 
-gw_code gw_peer_trace(gw_peer *peer, const gw_ray *rays, size_t count, gw_hit *hits, gw_error *error) {
+gw_code gw_peer_trace(gw_peer *peer, gw_peer_way way, const gw_ray *rays, size_t count, gw_hit *hits,
+                      gw_error *error) {
     enum { MOST_THREADS = 64 };
     part parts[MOST_THREADS];
     pthread_t threads[MOST_THREADS];
@@ -182,7 +206,7 @@ gw_code gw_peer_trace(gw_peer *peer, const gw_ray *rays, size_t count, gw_hit *h
     size_t thread_count = processors < 1 ? 1 : processors > MOST_THREADS ? MOST_THREADS : (size_t)processors;
     size_t started = 0;
     for (size_t i = 0; i < thread_count; i++) {
-        parts[i] = (part){peer, rays, hits, count * i / thread_count, count * (i + 1) / thread_count};
+        parts[i] = (part){peer, way, rays, hits, count * i / thread_count, count * (i + 1) / thread_count};
         if (pthread_create(&threads[i], NULL, trace_part, &parts[i]))
             break;
         started++;
@@ -215,8 +239,9 @@ const char *gw_peer_name(const gw_peer *peer) {
     return "none";
 }
 
-gw_code gw_peer_trace(gw_peer *peer, const gw_ray *rays, size_t count, gw_hit *hits, gw_error *error) {
-    (void)peer, (void)rays, (void)count, (void)hits;
+gw_code gw_peer_trace(gw_peer *peer, gw_peer_way way, const gw_ray *rays, size_t count, gw_hit *hits,
+                      gw_error *error) {
+    (void)peer, (void)way, (void)rays, (void)count, (void)hits;
     return gw_fail(error, GW_MACHINE, "there is no Embree in this program");
 }
 

@@ -18,7 +18,12 @@ gw_code gw_peer_create(const gw_scene *scene, int robust, gw_peer **out, gw_erro
 void gw_peer_destroy(gw_peer **peer);
 const char *gw_peer_name(const gw_peer *peer); /* "Embree 3.13.5" */
 
+/* How rays are handed over: one by one (rtcIntersect1), or in arrays of 256 declared coherent
+ * (rtcIntersect1M), which Embree makes into packets as wide as the processor's vectors. */
+typedef enum gw_peer_way { GW_PEER_SINGLE, GW_PEER_STREAM } gw_peer_way;
+
 /* Nearest hit of each ray; triangle ids are the scene's. */
-gw_code gw_peer_trace(gw_peer *peer, const gw_ray *rays, size_t count, gw_hit *hits, gw_error *error);
+gw_code gw_peer_trace(gw_peer *peer, gw_peer_way way, const gw_ray *rays, size_t count, gw_hit *hits,
+                      gw_error *error);
 
 #endif

@@ -211,7 +211,7 @@ void gw_renderer_ray_memory(const gw_renderer *renderer, const gw_settings *sett
                                  ? gw_shadow_ray_bytes(fragments, light_count(renderer))
                                  : 0;
     *bytes = bytes_of_ray(renderer, fragments, 1) + shadows;
-    *bytes += bounces * (gw_secondary_ray_bytes(fragments, asks & GW_CONE_FEATURES ? state.cones : 0) +
+    *bytes += bounces * (gw_secondary_ray_bytes(fragments, asks & GW_CONE_FEATURES ? state.cones : 0, asks) +
                          bytes_of_ray(renderer, fragments, 0) + shadows);
     *rays = gw_renderer_chunk_slots(renderer);
     *lists = (uint64_t)GW_MOST_SAMPLES * (GW_SAMPLE_BYTES + GW_SAMPLE_PIXEL_BYTES);

@@ -267,7 +267,7 @@ void gw_secondary_buffers_finish(gw_secondary_buffers *buffers);
 uint64_t gw_secondary_buffers_bytes(const gw_secondary_buffers *buffers);
 /* Room that one ray may need for its secondary rays of one bounce, so many cones among them, but for what
  * traces them. */
-uint64_t gw_secondary_ray_bytes(uint32_t fragments, uint32_t cones);
+uint64_t gw_secondary_ray_bytes(uint32_t fragments, uint32_t cones, gw_features asked);
 
 /* Where a chunk's pixels are, row by row. */
 static inline gw_gl_buffer *gw_frame_pixels(const gw_frame_job *job) {

@@ -24,9 +24,14 @@ uint64_t gw_secondary_buffers_bytes(const gw_secondary_buffers *buffers) {
            buffers->asked.size + buffers->requests.size + buffers->rays.size + buffers->radiance.size;
 }
 
-uint64_t gw_secondary_ray_bytes(uint32_t fragments, uint32_t cones) {
+/* What a secondary ray brings: rows of 16 bytes. */
+static size_t rows_of(gw_features features) {
+    return features & GW_FEATURE_DIFFUSE ? GW_BROUGHT_ROWS_DIFFUSE : 1;
+}
+
+uint64_t gw_secondary_ray_bytes(uint32_t fragments, uint32_t cones, gw_features asked) {
     const uint64_t most = GW_RAYS_OF_FRAGMENT + cones;
-    return fragments * ((1 + most) * sizeof(uint32_t) + most * 4 * sizeof(float)) +
+    return fragments * ((1 + most) * sizeof(uint32_t) + most * rows_of(asked) * 4 * sizeof(float)) +
            GW_SECONDARY_ROWS * 4 * sizeof(float);
 }
 
@@ -109,7 +114,7 @@ static gw_code make_rays(const gw_frame_job *job, gw_secondary_buffers *to, uint
 static gw_code trace_rays(gw_frame_job *job, gw_secondary_buffers *to, uint32_t begin, uint32_t count,
                           gw_error *error) {
     gw_renderer *renderer = job->renderer;
-    const size_t slots = whole_groups(count), row = 4 * sizeof(float);
+    const size_t slots = whole_groups(count), row = rows_of(job->key.features) * 4 * sizeof(float);
     gw_frame_job next = *job;
     next.rays = &to->traced;
     next.shadows = &to->shadows;
@@ -152,8 +157,9 @@ gw_code gw_frame_secondary(gw_frame_job *job, size_t slots, int resume, gw_error
     uint32_t count = 0;
     gw_code code = list_requests(job, to, slots, resume, &count, error);
     if (!code)
-        code = gw_renderer_grow(renderer, &to->radiance, "radiance of secondary rays",
-                                whole_groups(count > 0 ? count : 1) * 4 * sizeof(float), error);
+        code = gw_renderer_grow(
+            renderer, &to->radiance, "radiance of secondary rays",
+            whole_groups(count > 0 ? count : 1) * rows_of(job->key.features) * 4 * sizeof(float), error);
     const uint32_t batch = (uint32_t)gw_renderer_chunk_slots(renderer);
     for (uint32_t begin = 0; !code && begin < count; begin += batch) {
         uint32_t here = count - begin < batch ? count - begin : batch;

@@ -189,6 +189,8 @@ GW_STRUCT_END(gw_emissive_slot)
 #define GW_ASKED_WORD(first, kinds) ((first) | ((kinds) << 28))
 #define GW_ASKED_FIRST(word) ((word) & 0x0fffffffu)
 #define GW_ASKED_KINDS(word) ((word) >> 28)
+// With DIFFUSE another row behind it: what of a cone's radiance is light from everywhere that what it met reflects, and 0.
+#define GW_BROUGHT_ROWS_DIFFUSE 2
 #define GW_RAY_REFLECTED 1u
 #define GW_RAY_REFRACTED 2u
 #define GW_RAY_CONES 8u // as many as the frame has

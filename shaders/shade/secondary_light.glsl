@@ -1,13 +1,22 @@
 // Adds to a fragment's light what its secondary rays bring.
 #include "shade/secondary_kinds.glsl"
-layout(std430, binding = 18) readonly buffer Radiance { vec4 radiance_of[]; }; // by number; w: what of the ray met nothing
-layout(std430, binding = 19) readonly buffer Asked { uint asked_of[]; };      // of each fragment
+layout(std430, binding = 18) readonly buffer Radiance { vec4 radiances[]; };
+layout(std430, binding = 19) readonly buffer Asked { uint asked_of[]; }; // of each fragment
+
+// What the ray of this number brings; w: what of it met nothing.
+vec4 radiance_of(uint number) {
+#ifdef DIFFUSE
+    return radiances[number * GW_BROUGHT_ROWS_DIFFUSE];
+#else
+    return radiances[number];
+#endif
+}
 
 #ifdef MIRROR
 // What a mirror reflects, in place of what it reflects of the light from everywhere.
 vec3 with_reflected(vec3 lit, Surface surface, vec3 view, uint id, uint asked) {
     bool none = (GW_ASKED_KINDS(asked) & GW_RAY_REFLECTED) == 0u;
-    vec3 radiance = radiance_of[none ? 0u : GW_ASKED_FIRST(asked)].rgb;
+    vec3 radiance = radiance_of(none ? 0u : GW_ASKED_FIRST(asked)).rgb;
     float share = none ? 0.0 : mirror_share(id);
     float grazing = 1.0 - clamp(dot(surface.normal, view), 0.0, 1.0);
     precise float grazing2 = grazing * grazing;
@@ -21,7 +30,7 @@ vec3 with_reflected(vec3 lit, Surface surface, vec3 view, uint id, uint asked) {
 // What stands round a nearly smooth surface, in place of the light from everywhere that it keeps away.
 vec3 with_glossy(vec3 lit, Surface surface, vec3 view, uint id, uint asked) {
     bool none = (GW_ASKED_KINDS(asked) & GW_RAY_REFLECTED) == 0u;
-    vec4 brought = radiance_of[none ? 0u : GW_ASKED_FIRST(asked)];
+    vec4 brought = radiance_of(none ? 0u : GW_ASKED_FIRST(asked));
     float roughness, share = glossy_share(id, surface, roughness);
     precise vec3 changed = brought.rgb + (brought.w - 1.0) * radiance_around(surface, view);
     precise vec3 added = lit + share * environment_specular(surface, view) * changed;
@@ -52,8 +61,8 @@ vec3 with_transmitted(vec3 lit, Surface surface, vec3 view, Optics optics, uint 
     vec3 around = radiance_around(surface, view);
     uint first = GW_ASKED_FIRST(asked), kinds = GW_ASKED_KINDS(asked);
     bool reflects = (kinds & GW_RAY_REFLECTED) != 0u, refracts = (kinds & GW_RAY_REFRACTED) != 0u;
-    vec3 reflected = radiance_of[reflects ? first : 0u].rgb;
-    vec3 through = radiance_of[refracts ? first + (reflects ? 1u : 0u) : 0u].rgb;
+    vec3 reflected = radiance_of(reflects ? first : 0u).rgb;
+    vec3 through = radiance_of(refracts ? first + (reflects ? 1u : 0u) : 0u).rgb;
     reflected = reflects ? reflected : around;
     through = refracts ? through : radiance_beyond(view, cone);
     precise vec3 added = optics.reflectance * reflected - environment_specular(surface, view) * around +
@@ -63,22 +72,32 @@ vec3 with_transmitted(vec3 lit, Surface surface, vec3 view, Optics optics, uint 
 #endif
 
 #ifdef CONES
-// What of the light from everywhere is covered is not there, and what the cones meet shines instead.
+// What of the light from everywhere is covered is not there, and what the cones meet shines instead. That is covered itself: as much as
+// what the cones start from, for what lies in one nook covers each other.
 vec3 with_cones(vec3 lit, Surface surface, vec3 view, uint asked) {
     uint kinds = GW_ASKED_KINDS(asked);
     bool none = (kinds & GW_RAY_CONES) == 0u;
     precise vec4 sum = vec4(0.0);
+    precise vec3 everywhere = vec3(0.0);
     for (uint i = 0u; i < frame.sampling.z; ++i) {
-        vec4 brought = radiance_of[none ? 0u : GW_ASKED_FIRST(asked) + first_cone_of(kinds) + i];
-        sum += brought;
+        uint number = none ? 0u : GW_ASKED_FIRST(asked) + first_cone_of(kinds) + i;
+        sum += radiance_of(number);
+#ifdef DIFFUSE
+        everywhere += radiances[number * GW_BROUGHT_ROWS_DIFFUSE + 1u].rgb;
+#endif
     }
     precise vec4 mean = sum / float(max(frame.sampling.z, 1u));
+    precise vec3 uncovered = everywhere / float(max(frame.sampling.z, 1u));
     precise vec3 irradiance = vec3(0.0);
 #ifdef OCCLUSION
     irradiance += (frame.sampling.w & GW_CONES_OCCLUDE) != 0u ? irradiance_around(surface) * (mean.w - 1.0) : vec3(0.0);
 #endif
 #ifdef DIFFUSE
-    irradiance += (frame.sampling.w & GW_CONES_LIGHT) != 0u ? mean.rgb / INVERSE_PI : vec3(0.0);
+    precise vec3 bounced = mean.rgb - uncovered * (1.0 - mean.w);
+#ifdef UNCOVERED_BOUNCE
+    bounced = mean.rgb; // the naive variant, for the test that shows why
+#endif
+    irradiance += (frame.sampling.w & GW_CONES_LIGHT) != 0u ? max(bounced, vec3(0.0)) / INVERSE_PI : vec3(0.0);
 #endif
     precise vec3 added = lit + reflect_environment(surface, view, irradiance, vec3(0.0));
     return none ? lit : added;

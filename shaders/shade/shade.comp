@@ -49,6 +49,9 @@ layout(std430, binding = 5) writeonly buffer NextQueue { uint next_queue[]; };
 #ifdef COUNT
 layout(std430, binding = 6) readonly buffer Work { uvec4 work_of[]; };
 #endif
+#if defined(DIFFUSE) && defined(REFLECTED)
+#define BRINGS_EVERYWHERE 1 // what of a cone's light comes from everywhere, as with_cones() asks
+#endif
 #ifdef REFLECTED
 layout(std430, binding = 27) buffer Given_sums { vec4 sums[]; };
 #else
@@ -155,8 +158,16 @@ void main() {
     float left = uintBitsToFloat(status.y);
     bool suspended = (status.x & GW_STATUS_SUSPENDED) != 0u;
     precise vec4 sum = vec4(0.0);
+    uint row = slot;
+#ifdef BRINGS_EVERYWHERE
+    row = slot * GW_BROUGHT_ROWS_DIFFUSE;
+    precise vec3 everywhere = vec3(0.0);
+#endif
 #ifdef RESUME
-    sum = sums[slot];
+    sum = sums[row];
+#ifdef BRINGS_EVERYWHERE
+    everywhere = sums[row + 1u].rgb;
+#endif
 #endif
 #ifdef GUIDES
     uvec4 guide = uvec4(GW_NO_TRIANGLE, 0u, 0u, 0u);
@@ -216,6 +227,14 @@ void main() {
         float gloss_roughness, gloss = glossy_share(id, rest, gloss_roughness);
         seen = (GW_ASKED_KINDS(asked_of[slot * FRAGMENTS + i]) & GW_RAY_REFLECTED) != 0u ? max(seen, gloss) : seen;
 #endif
+#ifdef BRINGS_EVERYWHERE
+        bool mirrors = true;
+#ifdef TRANSMISSION
+        mirrors = !optics.sheer; // what it brings stands in its place
+#endif
+        precise vec3 reflected_everywhere = reflect_environment(rest, view, irradiance_around(rest),
+                                                                mirrors ? radiance_around(rest, view) : vec3(0.0));
+#endif
         precise vec3 lit = light_surface(rest, view, slot * FRAGMENTS + i, seen);
 #ifdef SECONDARY
         lit = with_secondary(lit, rest, view, id, slot * FRAGMENTS + i);
@@ -223,10 +242,16 @@ void main() {
 #ifdef TRANSMISSION
         lit = with_transmitted(lit, surface, view, optics, asked_of[slot * FRAGMENTS + i], IS_CONE(ray));
         lit *= left_of_light(media, t * length_precise(ray.direction));
+#ifdef BRINGS_EVERYWHERE
+        reflected_everywhere *= left_of_light(media, t * length_precise(ray.direction));
+#endif
         if (optics.passed)
             passed_into = optics.beyond;
 #endif
         sum += weight * vec4(debug_fragment(lit, surface, id), 1.0);
+#ifdef BRINGS_EVERYWHERE
+        everywhere += weight * reflected_everywhere;
+#endif
     }
 #ifdef GUIDES
     guides[slot] = guide;
@@ -238,7 +263,10 @@ void main() {
 #if defined(SHADOWS) && (defined(LOD) || defined(UNTIL_COARSE))
         keep_visibilities(slot);
 #endif
-        sums[slot] = sum;
+        sums[row] = sum;
+#ifdef BRINGS_EVERYWHERE
+        sums[row + 1u] = vec4(everywhere, 0.0);
+#endif
         next_queue[atomicAdd(totals[2], 1u)] = slot;
         return;
     }
@@ -267,7 +295,11 @@ void main() {
         color = frame.background.rgb;
     }
 #if defined(SPARSE) || defined(REFLECTED)
-    sums[slot] = vec4(color, left); // shaders/blend, or what asked for the ray, takes it from here
+    sums[row] = vec4(color, left); // shaders/blend, or what asked for the ray, takes it from here
+#ifdef BRINGS_EVERYWHERE
+    vec3 part = finish(vec4(everywhere, sum.w), left, vec3(0.0));
+    sums[row + 1u] = vec4(IS_CONE(ray) && finite(part) ? part : vec3(0.0), 0.0);
+#endif
 #else
     store_pixel(square.first - frame.chunk.xy, color);
 #endif

@@ -65,7 +65,7 @@ const gw_knob gw_knobs[] = {
     {.name = "least_throughput", .exact = "0"},
     {.name = "occlusion_cones", .exact = "6", .reference = GW_KNOB_OWN},
     {.name = "occlusion_distance", .exact = "2", .with = cones, .reference = GW_KNOB_OWN},
-    {.name = "diffuse_bounce", .exact = "on", .with = cones, .reference = GW_KNOB_OWN},
+    {.name = "diffuse_bounce", .exact = "all", .with = cones, .reference = GW_KNOB_OWN},
     {.name = "exposure", .sweep = "-2 -1 0 1 2", .exact = "0", .reference = GW_KNOB_OWN},
     {.name = "tone", .exact = "linear", .reference = GW_KNOB_OWN},
     {.name = "dither", .exact = "off", .reference = GW_KNOB_OWN},

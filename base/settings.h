@@ -135,8 +135,8 @@
            "cones about the normal that find what of the light from everywhere is covered by what stands near")         \
     GW_ROW(occlusion_distance, REAL, 0.1, 0.001, 2.0, "", FRAME, "cube sides", "light from everywhere in closed rooms against steps", "2", \
            "what stands farther away covers nothing, and half of that fully; the octree's cube has side 1")             \
-    GW_ROW(diffuse_bounce, SWITCH, 0, 0, 1, "", FRAME, "", "colours that are not passed on against shadow rays", "on",   \
-           "what the cones of occlusion_cones meet is lit, and lights in turn what they start from, once")              \
+    GW_ROW(diffuse_bounce, CHOICE, 0, 0, 2, "off|on|all", FRAME, "", "colours that are not passed on against shadow rays", "all", \
+           "what the cones of occlusion_cones meet is lit, and lights in turn what they start from, once; all: with what goes on from there, by estimate") \
     GW_ROW(exposure, REAL, 0.0, -24.0, 24.0, "auto", FRAME, "stops", "detail in the dark against detail in the light", "0", \
            "light is multiplied by 2 to the power of this; auto: so that the mean of the picture comes to exposure_key") \
     GW_ROW(tone, CHOICE, 0, 0, 1, "linear|filmic", FRAME, "", "highlights that are cut off against colours as they are", "linear", \
@@ -216,6 +216,7 @@ typedef enum gw_setting_kind {
 typedef enum gw_setting_stage { GW_SETTING_BUILD, GW_SETTING_FRAME, GW_SETTING_TRACK } gw_setting_stage;
 #define GW_SETTING_AUTO ((double)INFINITY)
 enum { GW_TONE_LINEAR, GW_TONE_FILMIC };
+enum { GW_BOUNCE_NONE, GW_BOUNCE_ONCE, GW_BOUNCE_ALL };
 enum { GW_HEAD_NONE, GW_HEAD_ONE_EURO, GW_HEAD_KALMAN };
 enum { GW_PAYLOAD_AREA, GW_PAYLOAD_SEED };
 enum { GW_GEOMETRY_HYBRID, GW_GEOMETRY_TRIANGLES, GW_GEOMETRY_VOXELS };

@@ -224,7 +224,8 @@ gw_code gw_frame_block_fill(const gw_scene *scene, const gw_octree *octree, cons
     memset(block, 0, sizeof *block);
     fill_scene(scene, octree, block);
     fill_tone(state, block);
-    block->sampling[3] = GW_CONES_OCCLUDE | (state->diffuse_bounce ? GW_CONES_LIGHT : 0);
+    block->sampling[3] = GW_CONES_OCCLUDE | (state->diffuse_bounce ? GW_CONES_LIGHT : 0) |
+                         (state->diffuse_bounce == GW_BOUNCE_ALL ? GW_CONES_ALL : 0);
 
     double eye[3], corner[3];
     gw_wall_to_rebased(placement, scene, state->eye, eye);

@@ -32,7 +32,7 @@ draw_ours() { # NAME SCENE
     "$program" render --scene "$2" "${common[@]}" --debug levels --out "$out/ours-levels.png" || return 1
     for kind in limited gi; do
         local more=()
-        [ "$kind" = gi ] && more=(--set diffuse_bounce=on)
+        [ "$kind" = gi ] && more=(--set diffuse_bounce=all)
         TIMEFORMAT='%U %S'
         { time "$program" render --scene "$2" "${common[@]}" "${quality[@]}" "${more[@]}" --report "$out/ours-$kind.json" \
             --out "$out/ours-$kind.png" 2>&3; } 3>&2 2>"$out/ours-$kind.seconds" || return 1

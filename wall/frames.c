@@ -68,7 +68,7 @@ static const byte_field byte_fields[] = {
     {"samples", offsetof(gw_frame_state, samples), 4},
     {"triangle_precision", offsetof(gw_frame_state, triangle_precision), GW_PRECISION_ORDERED},
     {"cones", offsetof(gw_frame_state, cones), GW_MAXIMUM_CONES},
-    {"diffuse_bounce", offsetof(gw_frame_state, diffuse_bounce), 1},
+    {"diffuse_bounce", offsetof(gw_frame_state, diffuse_bounce), GW_BOUNCE_ALL},
     {"tone", offsetof(gw_frame_state, tone), GW_TONE_FILMIC},
     {"dither", offsetof(gw_frame_state, dither), 1},
     {"metering", offsetof(gw_frame_state, metering), 1},

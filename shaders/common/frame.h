@@ -189,13 +189,15 @@ GW_STRUCT_END(gw_emissive_slot)
 #define GW_ASKED_WORD(first, kinds) ((first) | ((kinds) << 28))
 #define GW_ASKED_FIRST(word) ((word) & 0x0fffffffu)
 #define GW_ASKED_KINDS(word) ((word) >> 28)
-// With DIFFUSE another row behind it: what of a cone's radiance is light from everywhere that what it met reflects, and 0.
+// With DIFFUSE another row behind it: what of a cone's radiance is light from everywhere that what it met reflects, and
+// what share of light that falls on it a cone's hits reflect all ways.
 #define GW_BROUGHT_ROWS_DIFFUSE 2
 #define GW_RAY_REFLECTED 1u
 #define GW_RAY_REFRACTED 2u
 #define GW_RAY_CONES 8u // as many as the frame has
 #define GW_CONES_OCCLUDE 1u
 #define GW_CONES_LIGHT 2u
+#define GW_CONES_ALL 4u // with the bounces behind the first
 // A request: the fragment in bits 0-25, which of its rays in bits 26-31.
 #define GW_REQUEST(fragment, which) ((fragment) | ((which) << 26))
 #define GW_REQUEST_FRAGMENT(word) ((word) & 0x03ffffffu)

@@ -72,32 +72,38 @@ vec3 with_transmitted(vec3 lit, Surface surface, vec3 view, Optics optics, uint 
 #endif
 
 #ifdef CONES
+// Of light by each further bounce: white rooms would never end.
+const float MOST_PASSED_ON = 0.9;
+
 // What of the light from everywhere is covered is not there, and what the cones meet shines instead. That is covered itself: as much as
 // what the cones start from, for what lies in one nook covers each other.
 vec3 with_cones(vec3 lit, Surface surface, vec3 view, uint asked) {
     uint kinds = GW_ASKED_KINDS(asked);
     bool none = (kinds & GW_RAY_CONES) == 0u;
     precise vec4 sum = vec4(0.0);
-    precise vec3 everywhere = vec3(0.0);
+    precise vec4 everywhere = vec4(0.0);
     for (uint i = 0u; i < frame.sampling.z; ++i) {
         uint number = none ? 0u : GW_ASKED_FIRST(asked) + first_cone_of(kinds) + i;
         sum += radiance_of(number);
 #ifdef DIFFUSE
-        everywhere += radiances[number * GW_BROUGHT_ROWS_DIFFUSE + 1u].rgb;
+        everywhere += radiances[number * GW_BROUGHT_ROWS_DIFFUSE + 1u];
 #endif
     }
     precise vec4 mean = sum / float(max(frame.sampling.z, 1u));
-    precise vec3 uncovered = everywhere / float(max(frame.sampling.z, 1u));
+    precise vec4 uncovered = everywhere / float(max(frame.sampling.z, 1u));
     precise vec3 irradiance = vec3(0.0);
 #ifdef OCCLUSION
     irradiance += (frame.sampling.w & GW_CONES_OCCLUDE) != 0u ? irradiance_around(surface) * (mean.w - 1.0) : vec3(0.0);
 #endif
 #ifdef DIFFUSE
-    precise vec3 bounced = mean.rgb - uncovered * (1.0 - mean.w);
+    precise vec3 bounced = max(mean.rgb - uncovered.rgb * (1.0 - mean.w), vec3(0.0));
 #ifdef UNCOVERED_BOUNCE
     bounced = mean.rgb; // the naive variant, for the test that shows why
 #endif
-    irradiance += (frame.sampling.w & GW_CONES_LIGHT) != 0u ? max(bounced, vec3(0.0)) / INVERSE_PI : vec3(0.0);
+    // What goes on: in one nook each bounce is the one before, times what of it is met and reflected again.
+    precise float again = (frame.sampling.w & GW_CONES_ALL) != 0u ? min(uncovered.w, MOST_PASSED_ON) : 0.0;
+    bounced /= 1.0 - again;
+    irradiance += (frame.sampling.w & GW_CONES_LIGHT) != 0u ? bounced / INVERSE_PI : vec3(0.0);
 #endif
     precise vec3 added = lit + reflect_environment(surface, view, irradiance, vec3(0.0));
     return none ? lit : added;

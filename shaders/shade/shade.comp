@@ -161,12 +161,12 @@ void main() {
     uint row = slot;
 #ifdef BRINGS_EVERYWHERE
     row = slot * GW_BROUGHT_ROWS_DIFFUSE;
-    precise vec3 everywhere = vec3(0.0);
+    precise vec4 everywhere = vec4(0.0);
 #endif
 #ifdef RESUME
     sum = sums[row];
 #ifdef BRINGS_EVERYWHERE
-    everywhere = sums[row + 1u].rgb;
+    everywhere = sums[row + 1u];
 #endif
 #endif
 #ifdef GUIDES
@@ -250,7 +250,8 @@ void main() {
 #endif
         sum += weight * vec4(debug_fragment(lit, surface, id), 1.0);
 #ifdef BRINGS_EVERYWHERE
-        everywhere += weight * reflected_everywhere;
+        vec3 passed_on = diffuse_share(rest) * share_below(rest) * lit_of(rest);
+        everywhere += weight * vec4(reflected_everywhere, dot(passed_on, vec3(0.2126, 0.7152, 0.0722)));
 #endif
     }
 #ifdef GUIDES
@@ -265,7 +266,7 @@ void main() {
 #endif
         sums[row] = sum;
 #ifdef BRINGS_EVERYWHERE
-        sums[row + 1u] = vec4(everywhere, 0.0);
+        sums[row + 1u] = everywhere;
 #endif
         next_queue[atomicAdd(totals[2], 1u)] = slot;
         return;
@@ -297,8 +298,9 @@ void main() {
 #if defined(SPARSE) || defined(REFLECTED)
     sums[row] = vec4(color, left); // shaders/blend, or what asked for the ray, takes it from here
 #ifdef BRINGS_EVERYWHERE
-    vec3 part = finish(vec4(everywhere, sum.w), left, vec3(0.0));
-    sums[row + 1u] = vec4(IS_CONE(ray) && finite(part) ? part : vec3(0.0), 0.0);
+    float counts = sum.w > 0.0 ? (1.0 - left) / sum.w : 0.0; // as finish() has it
+    vec4 part = everywhere * counts;
+    sums[row + 1u] = IS_CONE(ray) && finite(part.rgb) && finite(part.www) ? part : vec4(0.0);
 #endif
 #else
     store_pixel(square.first - frame.chunk.xy, color);

@@ -49,8 +49,12 @@ static gw_code reserve(const gw_frame_job *job, size_t places, size_t words, gw_
 
 /* Kernels of shadow rays know nothing of what is lit. */
 static gw_code kernel_of(const gw_frame_job *job, const char *name, gw_features features, int resume,
-                         GLuint *out, gw_error *error) {
+                         const char *more, GLuint *out, gw_error *error) {
     gw_kernel_key key = job->key;
+    if ((key.features & GW_FEATURE_LOD) && !(features & GW_FEATURE_LOD)) {
+        key.until_coarse = 1;
+        key.level_blend = key.leaf_blend = 0;
+    }
     key.features &= features;
     if (!(features & key.features & GW_FEATURE_ALPHA))
         key.features &= ~(GW_FEATURE_TEXTURES | GW_FEATURE_VERTEX_COLORS);
@@ -63,7 +67,7 @@ static gw_code kernel_of(const gw_frame_job *job, const char *name, gw_features 
     const int walks = (features & GW_FEATURE_WIDE_NODES) != 0;
     if (walks && !key.voxels_only)
         key.root_grid = job->renderer->buffers.root_grid_level;
-    gw_code code = gw_renderer_kernel(job->renderer, name, &key, NULL, out, error);
+    gw_code code = gw_renderer_kernel(job->renderer, name, &key, more, out, error);
     if (!code && key.texture_classes > 0) {
         const uint32_t *side = job->renderer->buffers.textures.side;
         glProgramUniform4f(*out, 1, (float)side[0], (float)side[1], (float)side[2], (float)side[3]);
@@ -71,13 +75,26 @@ static gw_code kernel_of(const gw_frame_job *job, const char *name, gw_features 
     return code;
 }
 
-static gw_code list_rays(gw_frame_job *job, size_t slots, int resume, uint32_t kept_begin, uint32_t *count,
+/* Whether rays that may meet voxels are traced apart from those that meet triangles only. What lets light
+ * through is composited along every ray in one and the same way. */
+static int coarse_apart(const gw_frame_job *job) {
+    return (job->key.features & GW_FEATURE_LOD) && !job->key.voxels_only && !job->renderer->one_kernel &&
+           !(job->key.features & (GW_FEATURE_ALPHA | GW_FEATURE_TRANSMISSION));
+}
+
+/* Rays listed, from the list's beginning, and from its end backwards. */
+typedef struct ray_counts {
+    uint32_t all, coarse;
+} ray_counts;
+
+static gw_code list_rays(gw_frame_job *job, size_t slots, int resume, uint32_t kept_begin, ray_counts *counts,
                          gw_error *error) {
     const gw_features features = GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_SPARSE |
                                  GW_FEATURE_SPOT_LIGHTS | GW_FEATURE_AREA_LIGHTS | GW_FEATURE_EMISSIVE_LIGHTS;
     uint32_t totals[GW_TOTAL_WORDS];
     GLuint program = 0;
-    gw_code code = kernel_of(job, "shade/list_shadows.comp", features, resume, &program, error);
+    const char *more = coarse_apart(job) ? "#define COARSE_APART 1\n" : NULL;
+    gw_code code = kernel_of(job, "shade/list_shadows.comp", features, resume, more, &program, error);
     if (!code && resume)
         glProgramUniform1ui(program, 0, (GLuint)slots);
     if (!code && (job->key.features & GW_FEATURE_LOD)) {
@@ -90,13 +107,14 @@ static gw_code list_rays(gw_frame_job *job, size_t slots, int resume, uint32_t k
         code = gw_renderer_read_totals(job->renderer, totals, error);
     if (!code) {
         job->counters.step_cap_hits += totals[0];
-        *count = totals[3];
+        *counts = (ray_counts){totals[3], totals[GW_TOTAL_COARSE_SHADOWS]};
     }
     return code;
 }
 
-static gw_code trace_batch(gw_frame_job *job, uint32_t begin, uint32_t count, gw_error *error) {
-    const gw_features features = GW_FEATURE_LOD | GW_FEATURE_GAZE | GW_FEATURE_SPARSE | GW_FEATURE_ALPHA |
+static gw_code trace_batch(gw_frame_job *job, gw_features lod, uint32_t begin, uint32_t count,
+                           gw_error *error) {
+    const gw_features features = lod | GW_FEATURE_GAZE | GW_FEATURE_SPARSE | GW_FEATURE_ALPHA |
                                  GW_FEATURE_TEXTURES | GW_FEATURE_VERTEX_COLORS | GW_FEATURE_WIDE_NODES |
                                  GW_FEATURE_TRANSMISSION | GW_FEATURE_DENSE_LEAVES | GW_FEATURE_SPOT_LIGHTS |
                                  GW_FEATURE_AREA_LIGHTS | GW_FEATURE_EMISSIVE_LIGHTS |
@@ -107,7 +125,7 @@ static gw_code trace_batch(gw_frame_job *job, uint32_t begin, uint32_t count, gw
     for (int round = 0; !code && count > 0; ++round) {
         uint32_t totals[GW_TOTAL_WORDS];
         GLuint program = 0;
-        code = kernel_of(job, "trace/shadow.comp", features, round > 0, &program, error);
+        code = kernel_of(job, "trace/shadow.comp", features, round > 0, NULL, &program, error);
         if (!code)
             code = gw_renderer_clear_totals(renderer, error);
         if (code)
@@ -129,6 +147,16 @@ static gw_code trace_batch(gw_frame_job *job, uint32_t begin, uint32_t count, gw
     return code;
 }
 
+/* lod: 0 or GW_FEATURE_LOD, whether the rays may meet voxels. */
+static gw_code trace_rays(gw_frame_job *job, gw_features lod, uint32_t begin, uint32_t count,
+                          gw_error *error) {
+    const uint32_t batch = (uint32_t)gw_renderer_chunk_slots(job->renderer);
+    gw_code code = GW_OK;
+    for (uint32_t done = 0; !code && done < count; done += batch)
+        code = trace_batch(job, lod, begin + done, count - done < batch ? count - done : batch, error);
+    return code;
+}
+
 gw_code gw_frame_shadows(gw_frame_job *job, size_t slots, int resume, gw_error *error) {
     gw_renderer *renderer = job->renderer;
     const uint32_t lights = job->block.counts[1] + job->block.counts[2];
@@ -137,14 +165,15 @@ gw_code gw_frame_shadows(gw_frame_job *job, size_t slots, int resume, gw_error *
     const size_t slots_of_all = job->rays->slots,
                  places = slots_of_all * gw_kernel_fragments(&job->key) * lights;
     gw_code code = reserve(job, places, places + slots_of_all * lights * GW_KEPT_WORDS, error);
-    uint32_t count = 0;
+    ray_counts counts = {0, 0};
     if (!code)
-        code = list_rays(job, slots, resume, (uint32_t)places, &count, error);
-    job->counters.shadow_rays += count;
+        code = list_rays(job, slots, resume, (uint32_t)places, &counts, error);
+    job->counters.shadow_rays += counts.all + counts.coarse;
     gw_gl_buffer_bind(&job->shadows->states, GW_BINDING_STATES);
-    uint32_t batch = (uint32_t)gw_renderer_chunk_slots(renderer);
-    for (uint32_t begin = 0; !code && begin < count; begin += batch)
-        code = trace_batch(job, begin, count - begin < batch ? count - begin : batch, error);
+    if (!code)
+        code = trace_rays(job, coarse_apart(job) ? 0 : GW_FEATURE_LOD, 0, counts.all, error);
+    if (!code)
+        code = trace_rays(job, GW_FEATURE_LOD, (uint32_t)places - counts.coarse, counts.coarse, error);
     gw_gl_buffer_bind(&job->rays->states, GW_BINDING_STATES);
     return code ? code : gw_renderer_clear_totals(renderer, error);
 }

@@ -110,9 +110,9 @@ int gw_makes_in_background(const gw_renderer *renderer) {
 }
 
 /* The most that one kind of rays may need: to find their ends and to light them, and both once more for those
- * that are suspended. */
+ * that are suspended; shadow rays that may meet voxels apart from the others. */
 static uint32_t most_of_rays(gw_features features) {
-    return 4u + (features & GW_FEATURE_SHADOWS ? 4u : 0u) + (features & GW_SECONDARY_FEATURES ? 3u : 0u);
+    return 4u + (features & GW_FEATURE_SHADOWS ? 6u : 0u) + (features & GW_SECONDARY_FEATURES ? 3u : 0u);
 }
 
 /* The most kernels that the frame may need, for progress. */

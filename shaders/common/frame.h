@@ -216,5 +216,6 @@ GW_STRUCT_END(gw_emissive_slot)
 #define GW_TOTAL_REFRACTED 5 // secondary rays that go through something
 #define GW_TOTAL_CONES 6     // secondary rays that are cones
 #define GW_TOTAL_GLOSSY 7 // that what is no mirror reflects
-#define GW_TOTAL_WORDS 8
+#define GW_TOTAL_COARSE_SHADOWS 8 // shadow rays that may meet voxels, where they are listed apart
+#define GW_TOTAL_WORDS 9
 #endif

@@ -3,7 +3,7 @@
 // lies in one light: the first fragment's ray serves those behind it, also those of later rounds. A ray is the place of its
 // visibility, fragment * lights + light.
 //
-// variants: OCTREE_DEPTH=11 REFLECTED=1 FRAGMENTS=8u; OCTREE_DEPTH=11; OCTREE_DEPTH=11 EMISSIVE_LIGHTS=1; OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 SPOT_LIGHTS=1 AREA_LIGHTS=1 FRAGMENTS=8u; OCTREE_DEPTH=11 LOD=1 GAZE=1 RESUME=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 REFLECTED=1 FRAGMENTS=8u; OCTREE_DEPTH=11; OCTREE_DEPTH=11 EMISSIVE_LIGHTS=1; OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 SPOT_LIGHTS=1 AREA_LIGHTS=1 FRAGMENTS=8u; OCTREE_DEPTH=11 LOD=1 COARSE_APART=1 GAZE=1 RESUME=1 FRAGMENTS=8u
 #ifndef OCTREE_DEPTH
 #define OCTREE_DEPTH 11
 #endif
@@ -27,6 +27,19 @@ layout(std430, binding = 16) writeonly buffer Shadow_rays { uint shadow_rays[]; 
 #include "shade/surface.glsl"
 #include "shade/light_list.glsl"
 #include "shade/shadow_ray.glsl"
+
+// With COARSE_APART rays that may meet voxels stand apart, at the end of the list.
+void list_ray(uint place, Shadow_ray shadow, uint id, float tau) {
+#ifdef COARSE_APART
+    bool coarse = (id & GW_FRAGMENT_VOXEL) != 0u || accepted_at_start(shadow, tau) >= 0.5;
+    if (coarse)
+        shadow_rays[kept_begin - 1u - atomicAdd(totals[GW_TOTAL_COARSE_SHADOWS], 1u)] = place;
+    else
+        shadow_rays[atomicAdd(totals[3], 1u)] = place;
+#else
+    shadow_rays[atomicAdd(totals[3], 1u)] = place;
+#endif
+}
 
 // The rays of one light; the last one that was listed, also in an earlier round, may serve others.
 void list_light(uint slot, Pixel_ray ray, uint count, uint light) {
@@ -54,7 +67,7 @@ void list_light(uint slot, Pixel_ray ray, uint count, uint light) {
         shadow.needed = shadow.needed && ray.reach >= 0.0;
 #endif
         if (shadow.needed && !served) {
-            shadow_rays[atomicAdd(totals[3], 1u)] = place;
+            list_ray(place, shadow, fragments[word], ray.tau);
             server = place;
             served_from = t;
         } else {

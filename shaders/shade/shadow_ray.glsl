@@ -26,6 +26,14 @@ struct Shadow_ray {
     float clear;            // t up to which only triangles count
 };
 
+// The accepted error at the ray's start, in grid units. It does not grow along the ray: below half the side of the finest cell
+// nothing but triangles can be met.
+float accepted_at_start(Shadow_ray ray, float tau) {
+    precise float grid = frame.secondary.x * tau * (0.5 * float(1 << OCTREE_DEPTH));
+    precise float start = ray.width * grid;
+    return start;
+}
+
 // id, t: of the fragment; origin to tau: of the ray that met it, width at t.
 Shadow_ray shadow_ray_of(uint id, float t, vec3 origin, vec3 direction, float width, float tau, uint light) {
     bool point = light >= frame.counts.y;

@@ -1,12 +1,13 @@
 // What share of a light reaches what a fragment shows. Where voxels or alpha may stand between, opacities are composited
-// along the ray as for pixels (trace/traverse_lod.glsl), else any triangle will do.
+// along the ray as for pixels (trace/traverse_lod.glsl), else any triangle will do. With UNTIL_COARSE the rays are those of a frame
+// with voxels that start at triangles and are too narrow for any voxel: most are, and the walk without voxels is cheaper.
 //
 // variants: OCTREE_DEPTH=11 REFLECTED=1 LOD=1 SPOT_LIGHTS=1 AREA_LIGHTS=1 FRAGMENTS=8u; OCTREE_DEPTH=11; OCTREE_DEPTH=11 LOD=1 GAZE=1 SPARSE=1 LEVEL_BLEND=1 LEAF_BLEND=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 RESUME=1 WIDE_NODES=1 DENSE_LEAVES=1 DOUBLE_EDGES=1 COUNT=1
 // variants: OCTREE_DEPTH=11 ALPHA=1 TRANSMISSION=1 TRANSMISSION_MAPS=1 DATA_CLASSES=1
 // variants: OCTREE_DEPTH=11 ALPHA=1 TRANSMISSION=1 ABSORPTION=1; OCTREE_DEPTH=15 ALPHA=1 TEXTURES=1 TEXTURE_CLASSES=2 VERTEX_COLORS=1 COUNT=1
 // variants: OCTREE_DEPTH=11 LOD=1 ALPHA=1 RESUME=1 DENSE_LEAVES=1 FRAGMENTS=8u; OCTREE_DEPTH=9 LOD=1 VOXELS_ONLY=1 FRAGMENTS=8u
-// variants: OCTREE_DEPTH=11 ROOT_GRID_LEVEL=6 LOD=1 EMISSIVE_LIGHTS=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 ROOT_GRID_LEVEL=6 UNTIL_COARSE=1 GAZE=1 SPARSE=1 FRAGMENTS=8u; OCTREE_DEPTH=11 ROOT_GRID_LEVEL=6 LOD=1 EMISSIVE_LIGHTS=1 FRAGMENTS=8u
 #ifndef OCTREE_DEPTH
 #define OCTREE_DEPTH 11
 #endif
@@ -30,6 +31,7 @@ layout(std430, binding = 15) writeonly buffer Visibilities { uint visibilities[]
 layout(std430, binding = 16) readonly buffer Shadow_rays { uint shadow_rays[]; };
 layout(location = 0) uniform uint queue_length; // or the number of rays in the batch
 layout(location = 2) uniform uint batch_begin;
+#undef UNTIL_COARSE // its one use here is to say that fragments have room for voxels
 #define SHADOW_RAYS 1
 #define WIDE_RAYS 1
 #if defined(ALPHA) && !defined(LOD)
@@ -79,9 +81,8 @@ void begin(Shadow_ray ray, float tau) {
     ray_maximum = ray.maximum;
     precise float grid = frame.secondary.x * tau * GRID_HALF;
     precise float slope = -ray.narrowing * grid;
-    precise float start = ray.width * grid;
     lod_slope = slope;
-    lod_start = start;
+    lod_start = accepted_at_start(ray, tau);
     lod_clear = ray.clear;
     transmittance = 1.0;
     group_opacity = 0.0;

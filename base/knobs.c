@@ -56,6 +56,7 @@ const gw_knob gw_knobs[] = {
     {.name = "near_light"},
     {.name = "shadow_samples", .exact = "16"},
     {.name = "environment_lights", .sweep = "0 2 4 8 16 32", .exact = "64"},
+    {.name = "light_least", .sweep = "0 0.00048828125 0.001953125 0.0078125 0.03125", .exact = "0"},
     {.name = "emissive_lights", .sweep = "0 1 2 4 8 16 32", .exact = "64"},
     {.name = "emissive_least", .exact = "0"},
     {.name = "emissive_faintest", .sweep = "0 0.125 0.25 0.5 1 2", .exact = "0"},

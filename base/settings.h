@@ -116,6 +116,8 @@
     GW_ROW(environment_lights, INTEGER, 8, 0, 64, "", FRAME, "lights", "shadows of skies and lamps in an environment against rays",   \
            "64, and brute-force integration over the environment",                                                      \
            "most lights that stand for what is brightest in an environment and cast shadows; 0: its light has none")      \
+    GW_ROW(light_least, REAL, 0.0, 0.0, 1.0, "", FRAME, "radiance", "faint light of far lamps against rays", "0",                     \
+           "the light of a light with a place ends where a white surface would reflect less of it than this; 0: nowhere") \
     GW_ROW(emissive_lights, INTEGER, 8, 0, 64, "", FRAME, "lights", "soft light of emissive surfaces against rays",                  \
            "64, and brute-force integration over emissive triangles",                                                   \
            "most lights that stand for emissive surfaces, each with the shape of its triangles; 0: they light nothing")  \

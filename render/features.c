@@ -19,7 +19,7 @@ const gw_feature_row gw_feature_rows[] = {
     {GW_FEATURE_ALPHA, "alpha", "ALPHA", "no material in use masks or blends"},
     {GW_FEATURE_DIRECTIONAL_LIGHTS, "directional-lights", "DIRECTIONAL_LIGHTS", "the scene has none"},
     {GW_FEATURE_POINT_LIGHTS, "point-lights", "POINT_LIGHTS", "the scene has none"},
-    {GW_FEATURE_SPOT_LIGHTS, "spot-lights", "SPOT_LIGHTS", "no light of the scene has a cone or a range"},
+    {GW_FEATURE_SPOT_LIGHTS, "spot-lights", "SPOT_LIGHTS", "no light of the scene has a cone or an end"},
     {GW_FEATURE_AREA_LIGHTS, "area-lights", "AREA_LIGHTS", "no light has an extent"},
     {GW_FEATURE_EMISSIVE_LIGHTS, "emissive-lights", "EMISSIVE_LIGHTS",
      "emissive_lights is 0, or no material in use emits as much light as emissive_faintest"},

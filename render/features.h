@@ -42,7 +42,7 @@ enum { GW_MOST_FEATURES = 64 };
 #define GW_FEATURE_MAP_PLACEMENT GW_FEATURE_BIT(22)   /* maps that lie otherwise than the base colour */
 #define GW_FEATURE_SQUARE_TEXELS GW_FEATURE_BIT(23)   /* textures that are not interpolated */
 #define GW_FEATURE_LAYER_MAPS GW_FEATURE_BIT(24)      /* of clearcoat and sheen */
-#define GW_FEATURE_SPOT_LIGHTS GW_FEATURE_BIT(25)     /* lights with a cone or a range */
+#define GW_FEATURE_SPOT_LIGHTS GW_FEATURE_BIT(25)     /* lights with a cone or an end */
 #define GW_FEATURE_AREA_LIGHTS GW_FEATURE_BIT(26)     /* lights with an extent: soft shadows */
 #define GW_FEATURE_ENVIRONMENT GW_FEATURE_BIT(27)     /* light and background by direction */
 #define GW_FEATURE_EMISSIVE_LIGHTS GW_FEATURE_BIT(28) /* what emits light lights other things */

@@ -23,6 +23,7 @@ void gw_frame_state_apply(gw_frame_state *state, const gw_settings *settings) {
     state->mirror_roughness = (float)settings->mirror_roughness;
     state->least_throughput = (float)settings->least_throughput;
     state->glossy_roughness = (uint8_t)(255.0 * settings->glossy_roughness + 0.5);
+    state->light_least = (uint16_t)(65535.0 * settings->light_least + 0.5);
     state->bounces = (uint8_t)settings->bounces;
     state->near_light = (uint8_t)settings->near_light;
     state->gaze_rule = (uint8_t)settings->gaze_rule;

@@ -70,12 +70,12 @@ typedef struct gw_frame_state {
     float occlusion_distance;
     float emissive_least, emissive_faintest; /* knobs as above */
     uint8_t diffuse_bounce;
-    uint8_t glossy_roughness;  /* 255ths, as textures have it */
-    uint8_t reserved_cones[2]; /* 0 */
+    uint8_t glossy_roughness; /* 255ths, as textures have it */
+    uint16_t light_least;     /* 65535ths */
 } gw_frame_state;
 #pragma GCC diagnostic pop
 _Static_assert(offsetof(gw_frame_state, seed) == offsetof(gw_frame_state, samples) + sizeof(uint8_t) &&
-                   offsetof(gw_frame_state, reserved_cones) + 2 == sizeof(gw_frame_state),
+                   offsetof(gw_frame_state, light_least) + 2 == sizeof(gw_frame_state),
                "no holes for compilers that know no -Wpadded either: after the bytes, and at the end");
 _Static_assert(sizeof(gw_frame_state) < 512, "the frame state travels in one small message");
 

@@ -25,6 +25,11 @@ static void fill_cone(const gw_light *in, gw_gpu_light *out) {
     memcpy(out->axis, in->axis, sizeof in->axis);
 }
 
+/* Metres at which a white surface that faces all of a light reflects the radiance `least`. */
+static double reach_of(double red, double green, double blue, double least) {
+    return sqrt(fmax(fmax(red, green), blue) / (GW_PI * least));
+}
+
 static void fill_light(const gw_scene *scene, const gw_light *in, gw_gpu_light *out) {
     const int directional = in->kind == GW_LIGHT_DIRECTIONAL;
     for (int i = 0; i < 3; ++i) {
@@ -69,6 +74,15 @@ static gw_light_note *add_note(gw_light_list *out, const gw_light *light, gw_lig
     return note;
 }
 
+/* Its range, or nearer. */
+static float end_of(const gw_light *light, double least) {
+    const double reach =
+        reach_of((double)light->color[0], (double)light->color[1], (double)light->color[2], least);
+    /* A range of 0 is none, but a light without light ends at once; and its square is divided by. */
+    const float ends = fmaxf((float)reach, 1e-9f);
+    return light->range > 0.0f ? fminf(light->range, ends) : ends;
+}
+
 static int is_full(gw_light_list *out, uint32_t more) {
     const int full = out->directional + out->placed + more > GW_MOST_LIGHTS;
     out->left_out += full != 0;
@@ -85,6 +99,8 @@ static void add_light(const gw_scene *scene, const gw_light *given, gw_light_sou
         return;
     if (knobs->left_out & GW_LIGHTS_SPOT)
         light.range = 0.0f;
+    else if (knobs->light_least > 0.0f && light.kind != GW_LIGHT_DIRECTIONAL)
+        light.range = end_of(&light, (double)knobs->light_least);
     const uint32_t samples = has_extent(&light) ? knobs->shadow_samples : 0;
     if (is_full(out, samples > 0 ? samples : 1))
         return;
@@ -97,23 +113,23 @@ static void add_light(const gw_scene *scene, const gw_light *given, gw_light_sou
             fill_extent(scene, &light, samples, row);
         row->shape[2] = (float)note->rows;
         out->wide |= samples > 0;
+        out->ends |= light.range > 0.0f;
         *(light.kind == GW_LIGHT_DIRECTIONAL ? &out->directional : &out->placed) += 1;
     } while (++note->rows < samples);
 }
 
 static void add_surfaces(const gw_scene *scene, const gw_emissive_light *light, const gw_light_knobs *knobs,
                          gw_light_list *out) {
-    const double brightest = fmax(fmax(light->color[0], light->color[1]), light->color[2]);
     gw_light_note *note = &out->notes[out->note_count++];
     *note = (gw_light_note){.source = GW_LIGHT_OF_SURFACES,
                             .extent = sqrt(light->area),
                             .triangles = light->triangles,
                             .folded = light->folded};
-    /* Here a white surface that faces all of it reflects that radiance. */
-    if (knobs->emissive_least > 0.0f)
-        note->reach = sqrt(brightest / (GW_PI * (double)knobs->emissive_least));
     for (int i = 0; i < 3; ++i)
         note->color[i] = (float)light->color[i];
+    if (knobs->emissive_least > 0.0f)
+        note->reach =
+            reach_of(light->color[0], light->color[1], light->color[2], (double)knobs->emissive_least);
     for (; note->rows < knobs->shadow_samples; ++note->rows) {
         gw_gpu_light *row = &out->rows[out->directional + out->placed];
         for (int i = 0; i < 3; ++i) {
@@ -206,6 +222,7 @@ gw_light_knobs gw_light_knobs_of(const gw_frame_state *state) {
     return (gw_light_knobs){.environment_lights = state->environment_lights,
                             .shadow_samples = (uint8_t)(1u << 2 * state->shadow_samples),
                             .emissive_lights = state->emissive_lights,
+                            .light_least = (float)state->light_least / 65535.0f,
                             .emissive_least = state->emissive_least,
                             .emissive_faintest = state->emissive_faintest};
 }

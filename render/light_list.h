@@ -18,7 +18,8 @@ typedef struct gw_light_knobs {
     uint8_t shadow_samples;     /* of a light with an extent: 1, 4 or 16; 0: as if it had none */
     uint8_t emissive_lights;    /* at most, 0 to GW_MAXIMUM_EMISSIVE_LIGHTS */
     uint8_t left_out;           /* GW_LIGHTS_: directional ones; points and rectangles; spots, and ranges */
-    float emissive_least;       /* radiance below which the light of an emissive surface ends; 0: nowhere */
+    float light_least;          /* radiance below which the light of one with a place ends; 0: nowhere */
+    float emissive_least;       /* the same of emissive surfaces */
     float emissive_faintest;    /* least radiance of a light's surface */
 } gw_light_knobs;
 
@@ -46,6 +47,7 @@ typedef struct gw_light_note {
 typedef struct gw_light_list {
     uint32_t directional, placed, emissive; /* rows of each; emissive: the last of those that are placed */
     int wide;                               /* some row is of a light with an extent */
+    int ends;                               /* some row is of a light of the scene that ends somewhere */
     gw_gpu_light *rows;                     /* owned, as all below */
     gw_emissive_lights surfaces;
     gw_light_note *notes;

@@ -51,6 +51,8 @@ gw_code gw_renderer_take_features(gw_renderer *renderer, gw_error *error) {
         called_for |= GW_FEATURE_DIRECTIONAL_LIGHTS | GW_FEATURE_SHADOWS;
     if (renderer->buffers.list.wide)
         called_for |= GW_FEATURE_AREA_LIGHTS;
+    if (renderer->buffers.list.ends)
+        called_for |= GW_FEATURE_SPOT_LIGHTS;
     if (renderer->buffers.list.emissive > 0)
         called_for |= GW_FEATURE_EMISSIVE_LIGHTS | GW_FEATURE_SHADOWS;
     gw_features missing = called_for & renderer->forbidden_features & GW_NEEDED_FEATURES;

@@ -244,10 +244,10 @@ json_t *gw_state_pack(const gw_frame_state *state) {
     json_t *gazes = json_array();
     for (uint32_t i = 0; i < state->gaze_count; i++)
         json_array_append_new(gazes, pack_gaze(&state->gazes[i]));
-    json_t *object = json_pack("{s:I, s:I, s:o, s:o, s:I, s:I, s:i}", "frame", (json_int_t)state->frame,
+    json_t *object = json_pack("{s:I, s:I, s:o, s:o, s:I, s:I, s:i, s:i}", "frame", (json_int_t)state->frame,
                                "time", (json_int_t)state->time, "eye", pack_doubles(state->eye, 3), "gazes",
                                gazes, "seed", (json_int_t)state->seed, "epoch", (json_int_t)state->epoch,
-                               "accumulate", (int)state->accumulate);
+                               "accumulate", (int)state->accumulate, "light_least", (int)state->light_least);
     json_object_set_new(object, "stand", pack_floats(state->stand, 3));
     json_object_set_new(object, "look_at", pack_floats(state->look_at, 3));
     json_object_set_new(object, "eye_offset", pack_floats(state->eye_offset, 3));
@@ -386,7 +386,7 @@ static int take_knobs(const place *at, const json_t *object, gw_frame_state *sta
 }
 
 static int take_state(const place *at, const json_t *object, gw_frame_state *state) {
-    double frame = 0, time = 0, seed = 0, epoch = 0, accumulate = 0;
+    double frame = 0, time = 0, seed = 0, epoch = 0, accumulate = 0, light_least = 0;
     memset(state, 0, sizeof *state);
     if (!take_number(at, object, "frame", 0, UINT32_MAX, &frame) ||
         !take_number(at, object, "time", 0, 9e18, &time) ||
@@ -397,6 +397,10 @@ static int take_state(const place *at, const json_t *object, gw_frame_state *sta
         !take_knobs(at, object, state) || !take_float_point(at, object, "stand", state->stand) ||
         !take_float_point(at, object, "look_at", state->look_at))
         return 0;
+    /* Recordings from before it lack it: lights end nowhere. */
+    if (json_object_get(object, "light_least") &&
+        !take_number(at, object, "light_least", 0, UINT16_MAX, &light_least))
+        return 0;
     /* Recordings from before stereo lack it: one eye. */
     if (json_object_get(object, "eye_offset") &&
         !take_float_point(at, object, "eye_offset", state->eye_offset))
@@ -405,6 +409,7 @@ static int take_state(const place *at, const json_t *object, gw_frame_state *sta
     state->seed = (uint32_t)seed;
     state->epoch = (uint32_t)epoch;
     state->accumulate = (uint16_t)accumulate;
+    state->light_least = (uint16_t)light_least;
     /* The time is an integer of more digits than a double holds. */
     state->time = (int64_t)json_integer_value(json_object_get(object, "time"));
     return 1;

@@ -345,8 +345,72 @@ static void rays_of_a_pixel_see_a_light_in_several_places(void **state) {
     assert_true(several < 0.3 * one && naive > 2.0 * several);
 }
 
+/* A lamp one metre above the floor, seen with light_least at `least`, 65535ths; range: its own. */
+static uint8_t *under_lamp(float range, uint16_t least, gw_camera *camera, gw_counters *counters) {
+    const gw_light lamp = {.kind = GW_LIGHT_POINT, .vector = {-1, 1, 0}, .color = {1, 1, 1}, .range = range};
+    gw_stage stage;
+    open_floor(&stage, &lamp, 1, exact);
+    look_down(camera, &stage);
+    camera->state.light_least = least;
+    memset(counters, 0, sizeof *counters);
+    uint8_t *rgba = take(&stage, camera, 0, counters);
+    gw_stage_close(&stage);
+    return rgba;
+}
+
+/* Far from the lamp: where it ends, and the largest step from a pixel to the next. A light that is cut off at
+ * its end has an edge there. */
+static void faint_light_of_lamps_ends_without_an_edge(void **state) {
+    (void)state;
+    gw_camera camera;
+    gw_counters all, fewer, near;
+    const uint16_t least = 3000;
+    const double faintest = least / 65535.0, pi = 3.14159265358979, reach = sqrt(1.0 / (pi * faintest));
+    uint8_t *whole = under_lamp(0, 0, &camera, &all), *ends = under_lamp(0, least, &camera, &fewer);
+    double worst = 0.0, step = 0.0, cut_off = 0.0, row[2] = {0, 0};
+    size_t beyond = 0, lit = 0;
+    for (int y = 0; y < SIDE; ++y)
+        for (int x = 0; x < SIDE; ++x) {
+            double place[3];
+            place_on_floor(&camera, x, y, place);
+            const double seen = gw_srgb_code_to_linear(ends[4 * (y * SIDE + x)]);
+            const double given = gw_srgb_code_to_linear(whole[4 * (y * SIDE + x)]);
+            const double away = sqrt((place[0] + 1) * (place[0] + 1) + 1 + place[2] * place[2]);
+            const double naive = away < reach ? given : 0.0;
+            worst = fmax(worst, given - seen);
+            lit += away < reach;
+            if (away > reach && fabs(place[0]) < 1.95 && fabs(place[2]) < 1.95) {
+                assert_true(seen == 0.0 && given > 0.0);
+                ++beyond;
+            }
+            if (away > 0.8 * reach && x > 0) {
+                step = fmax(step, fabs(seen - row[0]));
+                cut_off = fmax(cut_off, fabs(naive - row[1]));
+            }
+            row[0] = seen;
+            row[1] = naive;
+        }
+    print_message(
+        "light_least %.4f: off by at most %.4f, %llu shadow rays of %llu; steps %.4f, cut off %.4f\n",
+        faintest, worst, (unsigned long long)fewer.shadow_rays, (unsigned long long)all.shadow_rays, step,
+        cut_off);
+    assert_true(beyond > 200 && worst > 0.1 * faintest && worst < faintest);
+    assert_true(fewer.shadow_rays <= lit && fewer.shadow_rays < all.shadow_rays);
+    assert_true(step < 0.5 * cut_off);
+    free(whole);
+    /* A lamp that ends nearer by itself is as it was. */
+    whole = under_lamp(1.4f, 0, &camera, &all);
+    free(ends);
+    ends = under_lamp(1.4f, least, &camera, &near);
+    assert_memory_equal(whole, ends, (size_t)PIXELS * 4);
+    assert_true(near.shadow_rays == all.shadow_rays && near.shadow_rays < fewer.shadow_rays);
+    free(whole);
+    free(ends);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(faint_light_of_lamps_ends_without_an_edge),
         cmocka_unit_test(spots_follow_the_standard),
         cmocka_unit_test(suns_of_environments_cast_shadows),
         cmocka_unit_test(even_skies_need_no_shadow_rays),

@@ -140,6 +140,7 @@ static void a_recording_gives_every_bit_back(void **state) {
         states[i].emissive_lights = (uint8_t)(63 - i);
         states[i].emissive_faintest = 1.0f / (9.0f + (float)i);
         states[i].emissive_least = 1.0f / (7.0f + (float)i);
+        states[i].light_least = (uint16_t)(UINT16_MAX - i);
         states[i].bounces = (uint8_t)(i % 9);
         states[i].least_throughput = 1.0f / (3.0f + (float)i);
         states[i].epoch = 7 * i;

@@ -91,9 +91,9 @@ static void the_frame_state_has_no_other_knob(void **state) {
     static const struct {
         const char *name;
         size_t offset, size;
-    } others[] = {FIELD(frame),   FIELD(gaze_count), FIELD(time),        FIELD(eye),           FIELD(gazes),
-                  FIELD(debug),   FIELD(seed),       FIELD(reserved),    FIELD(epoch),         FIELD(stand),
-                  FIELD(look_at), FIELD(eye_offset), FIELD(scene_scale), FIELD(reserved_cones)};
+    } others[] = {FIELD(frame),   FIELD(gaze_count), FIELD(time),       FIELD(eye),   FIELD(gazes),
+                  FIELD(debug),   FIELD(seed),       FIELD(reserved),   FIELD(epoch), FIELD(stand),
+                  FIELD(look_at), FIELD(eye_offset), FIELD(scene_scale)};
 #undef FIELD
     uint8_t known[sizeof(gw_frame_state)] = {0};
     mark_settings(known);

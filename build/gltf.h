@@ -41,7 +41,7 @@ int gw_gltf_moves(const gw_gltf *gltf);
 
 /* The same file with every material named "#index", because assimp keeps names but not places in the list; in
  * a file that moves nodes and meshes, too, and else nodes with a light. A light that several nodes carry
- * becomes one for each. */
+ * becomes one for each. Tangents that are not used are left out (gltf_tangents.h). */
 gw_code gw_gltf_mark(gw_gltf *gltf, gw_bytes *out, gw_error *error);
 
 #endif

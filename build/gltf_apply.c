@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "build/gltf_material.h"
+#include "build/gltf_tangents.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -163,37 +164,13 @@ static json_t *punctual(const json_t *object) {
     return json_object_get(json_object_get(object, "extensions"), "KHR_lights_punctual");
 }
 
-/* Primitives with tangents of their own that a normal map would read. */
-static size_t count_tangents(const gw_gltf *gltf) {
-    const json_t *meshes = json_object_get(gltf->root, "meshes");
-    const json_t *materials = json_object_get(gltf->root, "materials");
-    size_t count = 0;
-    for (size_t i = 0; i < json_array_size(meshes); i++) {
-        const json_t *primitives = json_object_get(json_array_get(meshes, i), "primitives");
-        for (size_t k = 0; k < json_array_size(primitives); k++) {
-            const json_t *primitive = json_array_get(primitives, k),
-                         *index = json_object_get(primitive, "material");
-            const json_t *material =
-                json_is_integer(index) ? json_array_get(materials, (size_t)json_integer_value(index)) : NULL;
-            count += json_object_get(json_object_get(primitive, "attributes"), "TANGENT") != NULL &&
-                     (gw_gltf_map(material, GW_MAP_NORMAL) || gw_gltf_map(material, GW_MAP_CLEARCOAT_NORMAL));
-        }
-    }
-    return count;
-}
-
 static gw_code note_losses(const gw_gltf *gltf, gw_source_model *model, gw_error *error) {
     const json_t *materials = json_object_get(gltf->root, "materials");
     gw_code code = note_count(model, count_maps(materials, GW_MAP_THICKNESS),
                               "materials with a thickness map: its mean is used, which only shadows ask for: "
                               "rays go through the volume itself",
                               error);
-    if (code == GW_OK)
-        code = note_count(model, count_tangents(gltf),
-                          "primitives with a normal map and tangents of their own: those of their texture "
-                          "coordinates are used",
-                          error);
-    return code;
+    return code == GW_OK ? gw_gltf_note_tangents(gltf, model->scene, error) : code;
 }
 
 /* The standard's default is a white mirror-like metal, which shows nothing; the import child took a rough
@@ -380,6 +357,7 @@ static gw_code part_lights(gw_gltf *gltf, gw_error *error) {
 gw_code gw_gltf_mark(gw_gltf *gltf, gw_bytes *out, gw_error *error) {
     *out = (gw_bytes){0};
     gw_code code = part_lights(gltf, error);
+    gw_gltf_strip_tangents(gltf);
     if (code == GW_OK)
         code = mark_list(gltf, "materials", error);
     if (code == GW_OK && gw_gltf_moves(gltf))

@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "build/matrix.h"
+#include "build/tangent.h"
 
 #include <assimp/scene.h>
 #include <math.h>
@@ -21,7 +22,8 @@ typedef struct converter {
     uint64_t vertices, triangles; /* counted in the first walk, placed so far in the second */
     uint64_t other_primitives;
     uint32_t placed_lights, placed_cameras;
-    int normals, texcoords, second_texcoords, colors; /* some mesh has them */
+    uint64_t bad_tangents;
+    int normals, tangents, texcoords, second_texcoords, colors; /* some mesh has them */
     size_t span_capacity;
     int counting;
     gw_error *error;
@@ -81,6 +83,11 @@ static void texcoord_sets(const converter *self, const struct aiMesh *mesh, int3
         sets[0] = 0;
 }
 
+/* Of other formats they would be made up. */
+static int has_tangents(const converter *self, const struct aiMesh *mesh) {
+    return self->format == GW_FORMAT_GLTF && mesh->mNormals && mesh->mTangents && mesh->mBitangents;
+}
+
 static void count_mesh(converter *self, const struct aiMesh *mesh) {
     self->vertices += mesh->mNumVertices;
     for (unsigned f = 0; f < mesh->mNumFaces; f++) {
@@ -90,6 +97,7 @@ static void count_mesh(converter *self, const struct aiMesh *mesh) {
     if (mesh->mNumFaces == 0)
         self->other_primitives += mesh->mNumVertices; /* a cloud of points */
     self->normals |= mesh->mNormals != NULL && self->format != GW_FORMAT_STL;
+    self->tangents |= has_tangents(self, mesh);
     int32_t sets[2];
     texcoord_sets(self, mesh, sets);
     self->texcoords |= sets[0] >= 0 && mesh->mTextureCoords[sets[0]] != NULL;
@@ -102,6 +110,28 @@ static void put_texcoords(const struct aiMesh *mesh, int32_t set, float *out) {
     for (unsigned v = 0; texcoords && v < mesh->mNumVertices; v++) {
         out[(size_t)v * 2] = (float)texcoords[v].x;
         out[(size_t)v * 2 + 1] = (float)(1.0 - (double)texcoords[v].y); /* assimp's v points up */
+    }
+}
+
+/* assimp has the other axis, cross(normal, tangent) times the file's sign, in place of the sign. */
+static uint32_t tangent_of(const struct aiVector3D *n, const struct aiVector3D *t,
+                           const struct aiVector3D *b) {
+    const double normal[3] = {(double)n->x, (double)n->y, (double)n->z},
+                 tangent[3] = {(double)t->x, (double)t->y, (double)t->z},
+                 other[3] = {(double)b->x, (double)b->y, (double)b->z};
+    double side = 0.0;
+    for (int i = 0; i < 3; i++) {
+        const int k = (i + 1) % 3, l = (i + 2) % 3;
+        side += (normal[k] * tangent[l] - normal[l] * tangent[k]) * other[i];
+    }
+    return gw_tangent_pack(tangent, side);
+}
+
+static void put_tangents(converter *self, const struct aiMesh *mesh, const matrix *place, uint32_t *out) {
+    for (unsigned v = 0; v < mesh->mNumVertices; v++) {
+        out[v] = gw_tangent_transform(
+            place->m, tangent_of(&mesh->mNormals[v], &mesh->mTangents[v], &mesh->mBitangents[v]));
+        self->bad_tangents += out[v] == 0;
     }
 }
 
@@ -135,6 +165,8 @@ static void put_mesh(converter *self, const struct aiMesh *mesh, const matrix *p
         if (scene->normals && mesh->mNormals)
             place_normal((const double(*)[3])cofactors, &mesh->mNormals[v], scene->normals + (first + v) * 3);
     }
+    if (scene->tangents && has_tangents(self, mesh))
+        put_tangents(self, mesh, place, scene->tangents + first);
     int32_t sets[2];
     texcoord_sets(self, mesh, sets);
     if (scene->texcoords)
@@ -312,6 +344,7 @@ static gw_code allocate_scene(converter *self) {
     } arrays[] = {
         {&self->model->world, self->vertices, 3 * sizeof(double)},
         {&scene->normals, self->normals ? self->vertices : 0, 3 * sizeof(float)},
+        {&scene->tangents, self->tangents ? self->vertices : 0, sizeof *scene->tangents},
         {&scene->texcoords, self->texcoords ? self->vertices : 0, 2 * sizeof(float)},
         {&scene->second_texcoords, self->second_texcoords ? self->vertices : 0, 2 * sizeof(float)},
         {&scene->colors, self->colors ? self->vertices : 0, 4},
@@ -359,7 +392,13 @@ static gw_code note_choices(const converter *self) {
         code = gw_scene_note(scene, self->error, "%s files name no material: a rough %s is used",
                              gw_model_format_name(self->format),
                              self->colors ? "one with the vertices' colours" : "light grey one");
-    if (self->format == GW_FORMAT_OBJ)
+    if (code == GW_OK && self->bad_tangents)
+        code =
+            gw_scene_note(scene, self->error,
+                          "glTF: %llu tangents were zero-length, not finite, along their normal or without "
+                          "a side: those of texture coordinates are used there",
+                          (unsigned long long)self->bad_tangents);
+    if (code == GW_OK && self->format == GW_FORMAT_OBJ)
         code = gw_import_mtl_notes(self->read, self->files, self->model, self->error);
     return code;
 }

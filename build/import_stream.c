@@ -9,7 +9,7 @@
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the stream copies little-endian memory");
 
 static const char stream_magic[8] = {'G', 'W', 'M', 'O', 'D', 'E', 'L', '\n'};
-enum { STREAM_VERSION = 4, MAXIMUM_TEXT = 4096, TRAILER = 0x0a444e45 /* "END\n" */ };
+enum { STREAM_VERSION = 5, MAXIMUM_TEXT = 4096, TRAILER = 0x0a444e45 /* "END\n" */ };
 enum {
     HAS_NORMALS = 1,
     HAS_TEXCOORDS = 2,
@@ -17,7 +17,8 @@ enum {
     WANTS_NORMALS = 8,
     HAS_SECOND_TEXCOORDS = 16,
     HAS_EXTENSIONS = 32,
-    ALL_FLAGS = 63
+    HAS_TANGENTS = 64,
+    ALL_FLAGS = 127
 };
 
 /* --- writing: the same walk is done twice, first only to count --- */
@@ -58,7 +59,7 @@ static void put_geometry(writer *to, const gw_source_model *model) {
     put_u32(to, (scene->normals ? HAS_NORMALS : 0u) | (scene->texcoords ? HAS_TEXCOORDS : 0u) |
                     (scene->colors ? HAS_COLORS : 0u) | (model->wants_normals ? WANTS_NORMALS : 0u) |
                     (scene->second_texcoords ? HAS_SECOND_TEXCOORDS : 0u) |
-                    (scene->extensions ? HAS_EXTENSIONS : 0u));
+                    (scene->extensions ? HAS_EXTENSIONS : 0u) | (scene->tangents ? HAS_TANGENTS : 0u));
     put_u64(to, scene->dropped.bad_index);
     put_u64(to, scene->dropped.not_triangle);
     put(to, model->world, vertices * 3 * sizeof(double));
@@ -68,6 +69,8 @@ static void put_geometry(writer *to, const gw_source_model *model) {
         put(to, scene->texcoords, vertices * 2 * sizeof(float));
     if (scene->second_texcoords)
         put(to, scene->second_texcoords, vertices * 2 * sizeof(float));
+    if (scene->tangents)
+        put(to, scene->tangents, vertices * sizeof *scene->tangents);
     if (scene->colors)
         put(to, scene->colors, vertices * 4);
     put(to, scene->triangles, triangles * sizeof *scene->triangles);
@@ -292,6 +295,8 @@ static uint32_t get_geometry(reader *from, gw_source_model *model) {
         scene->texcoords = get_array(from, vertices, 2 * sizeof(float));
     if (flags & HAS_SECOND_TEXCOORDS)
         scene->second_texcoords = get_array(from, vertices, 2 * sizeof(float));
+    if (flags & HAS_TANGENTS)
+        scene->tangents = get_array(from, vertices, sizeof *scene->tangents);
     if (flags & HAS_COLORS)
         scene->colors = get_array(from, vertices, 4);
     scene->triangles = get_array(from, triangles, sizeof *scene->triangles);

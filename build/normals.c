@@ -231,6 +231,8 @@ static gw_code assign_normals(smoother *self, gw_source_model *model, gw_error *
     if (code == GW_OK)
         code = extend(&scene->second_texcoords, &state, old_count, 2 * sizeof(float), error);
     if (code == GW_OK)
+        code = extend(&scene->tangents, &state, old_count, sizeof *scene->tangents, error);
+    if (code == GW_OK)
         code = extend(&scene->colors, &state, old_count, 4, error);
     if (code != GW_OK)
         goto cleanup;

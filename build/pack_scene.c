@@ -14,6 +14,7 @@ typedef enum section {
     NORMALS,
     TEXCOORDS,
     SECOND_TEXCOORDS,
+    TANGENTS,
     COLORS,
     TRIANGLES,
     MATERIAL_OF,
@@ -41,9 +42,9 @@ typedef struct header {
     gw_block_head head;
     gw_hash hash;
     uint32_t vertex_count, triangle_count, material_count, texture_count, light_count, viewpoint_count;
-    uint32_t welded_count, has_colors, has_second_texcoords, has_extensions;
+    uint32_t welded_count, has_colors, has_second_texcoords, has_extensions, has_tangents;
     int32_t exponent;
-    uint32_t environment_size[2];
+    uint32_t environment_size[2], unused;
     float environment_scale, environment_rotation;
     float ambient[3], background[3];
     double centre[3], bounds[2][3];
@@ -52,7 +53,7 @@ typedef struct header {
 } header;
 
 static const gw_block_head kind = {
-    .magic = {'G', 'W', 'S', 'C', 'E', 'N', 'E', ' '}, .version = 8, .section_count = SECTION_COUNT};
+    .magic = {'G', 'W', 'S', 'C', 'E', 'N', 'E', ' '}, .version = 9, .section_count = SECTION_COUNT};
 static const char what[] = "the shared scene";
 
 /* Sizes of all sections from the counts of a header; the reader compares with what the block claims. */
@@ -63,6 +64,7 @@ static void section_sizes(const header *head, uint64_t pixel_bytes, uint64_t ani
     sizes[NORMALS] = vertices * 3 * sizeof(float);
     sizes[TEXCOORDS] = vertices * 2 * sizeof(float);
     sizes[SECOND_TEXCOORDS] = head->has_second_texcoords ? vertices * 2 * sizeof(float) : 0;
+    sizes[TANGENTS] = head->has_tangents ? vertices * sizeof(uint32_t) : 0;
     sizes[COLORS] = head->has_colors ? vertices * 4 : 0;
     sizes[TRIANGLES] = triangles * 3 * sizeof(uint32_t);
     sizes[MATERIAL_OF] = triangles * sizeof(uint32_t);
@@ -94,6 +96,7 @@ static void make_header(const gw_scene *scene, header *head) {
     head->viewpoint_count = scene->viewpoint_count;
     head->has_colors = scene->colors != NULL;
     head->has_second_texcoords = scene->second_texcoords != NULL;
+    head->has_tangents = scene->tangents != NULL;
     head->has_extensions = scene->extensions != NULL;
     head->welded_count = scene->welded_count;
     head->exponent = scene->exponent;
@@ -149,6 +152,7 @@ void gw_pack_scene(const gw_scene *scene, void *block) {
                                          [TEXCOORDS] = scene->texcoords,
                                          [COLORS] = scene->colors,
                                          [SECOND_TEXCOORDS] = scene->second_texcoords,
+                                         [TANGENTS] = scene->tangents,
                                          [EXTENSIONS] = scene->extensions,
                                          [TRIANGLES] = scene->triangles,
                                          [MATERIAL_OF] = scene->material_of,
@@ -257,6 +261,7 @@ static void view_scene(uint8_t *block, const header *head, gw_scene *scene) {
     scene->normals = AT(NORMALS);
     scene->texcoords = AT(TEXCOORDS);
     scene->second_texcoords = head->has_second_texcoords ? AT(SECOND_TEXCOORDS) : NULL;
+    scene->tangents = head->has_tangents ? AT(TANGENTS) : NULL;
     scene->colors = head->has_colors ? AT(COLORS) : NULL;
     scene->triangle_count = head->triangle_count;
     scene->triangles = AT(TRIANGLES);

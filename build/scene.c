@@ -24,6 +24,7 @@ void gw_scene_destroy(gw_scene **scene_address) {
     free(scene->normals);
     free(scene->texcoords);
     free(scene->second_texcoords);
+    free(scene->tangents);
     free(scene->colors);
     free(scene->welded);
     free(scene->triangles);
@@ -167,6 +168,8 @@ void gw_scene_rehash(gw_scene *scene) {
     hash = gw_hash_bytes(hash, scene->texcoords, vertices * 2 * sizeof(float));
     if (scene->second_texcoords)
         hash = gw_hash_bytes(hash, scene->second_texcoords, vertices * 2 * sizeof(float));
+    if (scene->tangents)
+        hash = gw_hash_bytes(hash, scene->tangents, vertices * sizeof *scene->tangents);
     if (scene->colors)
         hash = gw_hash_bytes(hash, scene->colors, vertices * 4);
     hash = gw_hash_bytes(hash, scene->triangles, triangles * 3 * sizeof(uint32_t));

@@ -217,6 +217,7 @@ typedef struct gw_scene {
     float *texcoords; /* [vertex_count][2], v downwards (row 0 of the image is v = 0); zero where there are
                          none */
     float *second_texcoords; /* as texcoords; NULL when no material reads them */
+    uint32_t *tangents;      /* [vertex_count] build/tangent.h; NULL when no material reads any */
     uint8_t *colors;         /* [vertex_count][4] linear factor 0..255, NULL when no vertex has one */
     uint32_t *welded;        /* [vertex_count] id of the position: equal for bit-equal rebased positions,
                                 0..welded_count-1 */

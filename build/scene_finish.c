@@ -244,6 +244,8 @@ static void fill_row(finish *self, uint32_t vertex, uint32_t *row) {
     fill_texcoord(self, scene->second_texcoords, v, row + 10);
     if (scene->colors)
         memcpy(row + 8, scene->colors + v * 4, 4);
+    if (scene->tangents)
+        row[12] = scene->tangents[v];
     if (scene->animation)
         row[9] = self->motion.content_of[v];
 }
@@ -330,7 +332,7 @@ static uint32_t number_by_first_use(finish *self) {
 typedef struct vertex_arrays {
     float *positions, *normals, *texcoords, *second_texcoords;
     uint8_t *colors;
-    uint32_t *welded;
+    uint32_t *tangents, *welded;
 } vertex_arrays;
 
 static gw_code allocate_arrays(vertex_arrays *arrays, const gw_scene *scene, size_t count, gw_error *error) {
@@ -346,6 +348,8 @@ static gw_code allocate_arrays(vertex_arrays *arrays, const gw_scene *scene, siz
     if (code == GW_OK && scene->second_texcoords)
         code = gw_allocate((void **)&arrays->second_texcoords, count, 2 * sizeof(float),
                            "texture coordinates", error);
+    if (code == GW_OK && scene->tangents)
+        code = gw_allocate((void **)&arrays->tangents, count, sizeof *arrays->tangents, "tangents", error);
     if (code == GW_OK && scene->colors)
         code = gw_allocate((void **)&arrays->colors, count, 4, "vertex colours", error);
     return code;
@@ -356,12 +360,14 @@ static void adopt_arrays(gw_scene *scene, const vertex_arrays *arrays) {
     free(scene->normals);
     free(scene->texcoords);
     free(scene->second_texcoords);
+    free(scene->tangents);
     free(scene->colors);
     free(scene->welded);
     scene->positions = arrays->positions;
     scene->normals = arrays->normals;
     scene->texcoords = arrays->texcoords;
     scene->second_texcoords = arrays->second_texcoords;
+    scene->tangents = arrays->tangents;
     scene->colors = arrays->colors;
     scene->welded = arrays->welded;
 }
@@ -412,6 +418,8 @@ static gw_code write_vertices(finish *self, gw_error *error) {
         memcpy(scene->texcoords + v * 2, words + 6, 2 * sizeof(float));
         if (scene->second_texcoords)
             memcpy(scene->second_texcoords + v * 2, words + 10, 2 * sizeof(float));
+        if (scene->tangents)
+            scene->tangents[v] = words[12];
         if (scene->colors)
             memcpy(scene->colors + v * 4, words + 8, 4);
     }

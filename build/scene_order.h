@@ -10,8 +10,8 @@
 
 /* One vertex as the words that are compared: rebased position, normal, texture coordinates (float bits, no
  * -0), colour, in an animated scene the number of what it is at any time (scene_motion.h), second texture
- * coordinates. */
-enum { GW_VERTEX_WORDS = 12, GW_POSITION_WORDS = 3 };
+ * coordinates, tangent. */
+enum { GW_VERTEX_WORDS = 13, GW_POSITION_WORDS = 3 };
 
 /* Rotates every triangle so that its least corner comes first (the winding stays), then sorts
  * scene->triangles and scene->material_of by the Morton code of the centroid, then content. `vertices` are

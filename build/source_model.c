@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "build/animation.h"
 #include "build/matrix.h"
+#include "build/tangent.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -135,6 +136,8 @@ gw_code gw_source_model_transform(gw_source_model *model, const double m[3][4], 
         gw_matrix_point(m, model->world + (size_t)v * 3, model->world + (size_t)v * 3);
     if (scene->normals)
         transform_normals(scene, m);
+    for (uint32_t v = 0; scene->tangents && v < scene->vertex_count; v++)
+        scene->tangents[v] = gw_tangent_transform(m, scene->tangents[v]);
     if (volume < 0.0)
         for (uint32_t i = 0; i < scene->triangle_count; i++) {
             uint32_t swap = scene->triangles[i][1];
@@ -189,6 +192,7 @@ static gw_code join_arrays(gw_source_model *target, gw_source_model *part, gw_er
         {&a->texcoords, &b->texcoords, a->vertex_count, b->vertex_count, 2 * sizeof(float), NOTHING},
         {&a->second_texcoords, &b->second_texcoords, a->vertex_count, b->vertex_count, 2 * sizeof(float),
          NOTHING},
+        {&a->tangents, &b->tangents, a->vertex_count, b->vertex_count, sizeof *a->tangents, NOTHING},
         {&a->colors, &b->colors, a->vertex_count, b->vertex_count, 4, WHITE},
         {&a->triangles, &b->triangles, a->triangle_count, b->triangle_count, sizeof *a->triangles, NOTHING},
         {&a->material_of, &b->material_of, a->triangle_count, b->triangle_count, sizeof *a->material_of,

@@ -48,6 +48,7 @@ const gw_feature_row gw_feature_rows[] = {
     {GW_FEATURE_TRANSMISSION, "transmission", "TRANSMISSION", "no material in use lets light through"},
     {GW_FEATURE_ABSORPTION, "absorption", "ABSORPTION", "no medium in use takes light away"},
     {GW_FEATURE_NORMAL_MAPS, "normal-maps", "NORMAL_MAPS", "no material in use has one"},
+    {GW_FEATURE_TANGENTS, "tangents", "TANGENTS", "no normal map in use has tangents in its file"},
     {GW_FEATURE_MATERIAL_MAPS, "material-maps", "MATERIAL_MAPS",
      "no material in use has a map of metalness, roughness or occlusion"},
     {GW_FEATURE_EMISSIVE_MAPS, "emissive-maps", "EMISSIVE_MAPS", "no material in use has one"},
@@ -216,6 +217,8 @@ gw_features gw_features_of_scene(const gw_scene *scene, const gw_octree *octree,
             bits |= GW_FEATURE_SQUARE_TEXELS;
         last = material;
     }
+    if (scene->tangents && bits & (GW_FEATURE_NORMAL_MAPS | GW_FEATURE_LAYER_MAPS))
+        bits |= GW_FEATURE_TANGENTS;
     if (scene->environment.rgbe.rgba)
         bits |= GW_FEATURE_ENVIRONMENT;
     if (scene->colors)

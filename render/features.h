@@ -57,6 +57,7 @@ enum { GW_MOST_FEATURES = 64 };
 #define GW_FEATURE_OCCLUSION GW_FEATURE_BIT(43)    /* what stands near covers light from everywhere */
 #define GW_FEATURE_DIFFUSE GW_FEATURE_BIT(44)      /* what is lit lights what stands near, once */
 #define GW_FEATURE_METERING GW_FEATURE_BIT(45)     /* the picture's light is counted */
+#define GW_FEATURE_TANGENTS GW_FEATURE_BIT(46)     /* normal maps lie as the file says */
 #define GW_ALL_FEATURES UINT64_MAX
 
 /* What makes fragments ask for secondary rays. */
@@ -87,7 +88,7 @@ extern const size_t gw_feature_count;
     (GW_FEATURE_NORMAL_MAPS | GW_FEATURE_MATERIAL_MAPS | GW_FEATURE_EMISSIVE_MAPS | GW_FEATURE_CLEARCOAT |   \
      GW_FEATURE_SHEEN | GW_FEATURE_SPECULAR | GW_FEATURE_UNLIT | GW_FEATURE_MAP_PLACEMENT |                  \
      GW_FEATURE_TRANSMISSION | GW_FEATURE_LAYER_MAPS | GW_FEATURE_SPECULAR_MAPS |                            \
-     GW_FEATURE_TRANSMISSION_MAPS)
+     GW_FEATURE_TRANSMISSION_MAPS | GW_FEATURE_TANGENTS)
 /* What reads pictures over the footprint, and which of them colours. */
 #define GW_PICTURE_FEATURES                                                                                  \
     (GW_COLOR_PICTURE_FEATURES | GW_FEATURE_NORMAL_MAPS | GW_FEATURE_MATERIAL_MAPS |                         \

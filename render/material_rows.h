@@ -9,13 +9,14 @@
 #include "render/texture_set.h"
 
 /* Texture units: of the rows, of the second texture coordinates, of the tables of reflection, of the first
- * array of data. */
+ * array of data, of tangents. */
 enum {
     GW_UNIT_EXTENSIONS = 17,
     GW_UNIT_SECOND_TEXCOORDS = 18,
     GW_UNIT_ALBEDO = 19,
     GW_UNIT_DATA = 22,
-    GW_UNIT_SHEEN = 24
+    GW_UNIT_SHEEN = 24,
+    GW_UNIT_TANGENTS = 25
 };
 
 /* Rows of all materials; those of a scene without extensions change nothing. */

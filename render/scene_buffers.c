@@ -125,6 +125,18 @@ static gw_code upload_materials(gw_gl *device, const gw_scene *scene, gw_scene_b
     return code;
 }
 
+/* Zeros, which are none, where the scene has none. */
+static gw_code upload_tangents(gw_gl *device, const gw_scene *scene, gw_scene_buffers *out, gw_error *error) {
+    const size_t bytes = scene->vertex_count * sizeof *scene->tangents;
+    void *none = NULL;
+    gw_code code = scene->tangents ? GW_OK : gw_allocate(&none, bytes, 1, "tangents for the GPU", error);
+    if (!code)
+        code = gw_gl_buffer_create(device, "tangents", bytes, scene->tangents ? scene->tangents : none,
+                                   GL_R32UI, &out->tangents, error);
+    free(none);
+    return code;
+}
+
 static int has_sheen(const gw_scene *scene) {
     for (uint32_t i = 0; scene->extensions && i < scene->material_count; ++i)
         for (int c = 0; c < 3; ++c)
@@ -238,6 +250,8 @@ gw_code gw_scene_buffers_init(gw_gl *device, const gw_scene *scene, const gw_oct
     if (!code && (scene->second_texcoords || extensions))
         code = gw_gl_buffer_create(device, "second coordinates", scene->vertex_count * 2 * sizeof(float),
                                    scene->second_texcoords, GL_RG32UI, &out->second_texcoords, error);
+    if (!code && (scene->tangents || extensions))
+        code = upload_tangents(device, scene, out, error);
     if (!code)
         code = gw_scene_buffers_light(device, scene, knobs, out, error);
     if (!code)
@@ -271,7 +285,8 @@ void gw_scene_buffers_finish(gw_scene_buffers *buffers) {
     gw_gl_buffer *all[] = {&buffers->nodes,     &buffers->references, &buffers->triangles,
                            &buffers->payloads,  &buffers->faces,      &buffers->vertices,
                            &buffers->materials, &buffers->lights,     &buffers->emissions,
-                           &buffers->boxes,     &buffers->extensions, &buffers->second_texcoords};
+                           &buffers->boxes,     &buffers->extensions, &buffers->second_texcoords,
+                           &buffers->tangents};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
         gw_gl_buffer_finish(all[i]);
     memset(buffers, 0, sizeof *buffers);
@@ -296,6 +311,8 @@ void gw_scene_buffers_bind(const gw_scene_buffers *buffers, uint32_t texture_fil
         gw_gl_texture_bind(&buffers->extensions, GW_UNIT_EXTENSIONS);
     if (buffers->second_texcoords.texture)
         gw_gl_texture_bind(&buffers->second_texcoords, GW_UNIT_SECOND_TEXCOORDS);
+    if (buffers->tangents.texture)
+        gw_gl_texture_bind(&buffers->tangents, GW_UNIT_TANGENTS);
     gw_texture_set_bind(&buffers->data, texture_filter, GW_UNIT_DATA);
     glBindTextureUnit(GW_UNIT_ALBEDO, buffers->albedo_table);
     if (buffers->sheen_table)

@@ -17,6 +17,7 @@ typedef struct gw_scene_buffers {
     gw_gl_buffer nodes, references, triangles, payloads, emissions, boxes, faces, vertices, materials, lights;
     gw_gl_buffer extensions;       /* of materials; empty without any */
     gw_gl_buffer second_texcoords; /* of vertices; empty without any */
+    gw_gl_buffer tangents;         /* the same */
     gw_texture_set textures;       /* colours */
     gw_texture_set data;
     GLuint albedo_table, sheen_table; /* render/albedo_table.h; the second 0 where nothing has sheen */
@@ -26,8 +27,8 @@ typedef struct gw_scene_buffers {
     gw_environment_textures environment;
 } gw_scene_buffers;
 
-/* extensions: 1: rows of material extensions and second texture coordinates exist even if the scene has none.
- */
+/* extensions: 1: rows of material extensions, second texture coordinates and tangents exist even if the scene
+ * has none. */
 gw_code gw_scene_buffers_init(gw_gl *device, const gw_scene *scene, const gw_octree *octree, int extensions,
                               const gw_light_knobs *knobs, gw_scene_buffers *out, gw_error *error);
 /* The lights and the environment by other knobs. */

@@ -16,7 +16,8 @@ static uint64_t texture_bytes(const gw_scene *scene) {
 
 static uint64_t scene_bytes(const gw_scene *scene) {
     const uint64_t vertex = 3 * sizeof *scene->positions + 3 * sizeof *scene->normals +
-                            2 * sizeof *scene->texcoords + sizeof *scene->welded + (scene->colors ? 4 : 0);
+                            2 * sizeof *scene->texcoords + sizeof *scene->welded + (scene->colors ? 4 : 0) +
+                            (scene->tangents ? sizeof *scene->tangents : 0);
     return scene->vertex_count * vertex +
            scene->triangle_count * (uint64_t)(sizeof *scene->triangles + sizeof *scene->material_of);
 }

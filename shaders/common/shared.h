@@ -14,6 +14,13 @@
 #define GW_MAXIMUM_VIEWERS 4
 #define GW_NO_TRIANGLE 0xffffffffu
 
+// The tangent of a vertex that its file gives (build/tangent.h): x and y of an octahedral direction from -1 to 1 as 0 to twice
+// GW_TANGENT_LARGEST in GW_TANGENT_BITS each, and two flags. 0: there is none.
+#define GW_TANGENT_BITS 15
+#define GW_TANGENT_LARGEST 16383
+#define GW_TANGENT_LEFT 0x40000000u // the map's upward axis is -cross(normal, tangent)
+#define GW_TANGENT_GIVEN 0x80000000u
+
 // Octree node, 8 bytes (uvec2).
 //   x  inner: index of its first child; siblings are packed in child order, found by popcount of the valid mask.
 //      leaf:  a triangle id (kind GW_LEAF_SINGLE), the first index of its list in the reference array (GW_LEAF_LIST), or the

@@ -78,14 +78,44 @@ vec4 sample_data(uint word, vec2 uv, float footprint, float density) {
 }
 
 #if defined(NORMAL_MAPS) || defined(LAYER_MAPS)
-// The shading normal bent by a map, tangent space from the triangle's own texture coordinates: u along the tangent, up in the
-// picture (against v) along the other. w: how the footprint's normals
+#ifdef TANGENTS
+layout(binding = 25) uniform usamplerBuffer tangents; // of vertices
+
+vec3 vertex_tangent(uint word) {
+    const uint mask = (1u << GW_TANGENT_BITS) - 1u;
+    return octahedral_decode(vec2(word & mask, (word >> GW_TANGENT_BITS) & mask) * (1.0 / float(GW_TANGENT_LARGEST)) - 1.0);
+}
+
+// Between those of the corners, and in w its side; w is 0 where a corner has none, or they differ in it.
+vec4 tangent_of(uvec4 face, vec3 weights) {
+    uint a = texelFetch(tangents, int(face.x)).x, b = texelFetch(tangents, int(face.y)).x, c = texelFetch(tangents, int(face.z)).x;
+    precise vec3 between = vertex_tangent(a) * weights.x + vertex_tangent(b) * weights.y + vertex_tangent(c) * weights.z;
+    const uint flags = GW_TANGENT_GIVEN | GW_TANGENT_LEFT;
+    bool given = (a & flags) == (b & flags) && (b & flags) == (c & flags) && (a & GW_TANGENT_GIVEN) != 0u;
+    float side = (a & GW_TANGENT_LEFT) != 0u ? -1.0 : 1.0;
+#ifdef ONE_SIDE
+    side = 1.0; // the naive variant, for the test that shows why
+#endif
+    return vec4(between, given ? side : 0.0);
+}
+#else
+vec4 tangent_of(uvec4 face, vec3 weights) {
+    return vec4(0.0);
+}
+#endif
+
+// The shading normal bent by a map. Tangent space: the tangent that the file gives, where it does (w: its side), else that of
+// the triangle's own texture coordinates: u along the tangent, up in the picture (against v) along the other. w: how the footprint's normals
 // spread, as widened_roughness() takes it. front: 1 or -1, of the side that
 // is seen; normal is on that side.
-vec4 mapped_normal(vec3 normal, float front, vec4 texel, float scale, Texcoords at, vec3 ab, vec3 ac) {
+vec4 mapped_normal(vec3 normal, float front, vec4 texel, float scale, Texcoords at, vec3 ab, vec3 ac, vec4 given) {
     precise float turn = at.to_b.x * at.to_c.y - at.to_b.y * at.to_c.x;
     precise vec3 along_u = ab * at.to_c.y - ac * at.to_b.y;
     along_u = turn < 0.0 ? -along_u : along_u;
+#ifdef TANGENTS
+    along_u = given.w != 0.0 ? given.xyz : along_u;
+    turn = given.w != 0.0 ? -given.w : turn; // v points down in the picture
+#endif
     precise vec3 tangent = along_u - normal * dot(along_u, normal);
     float size = length_precise(tangent);
     tangent = tangent / max(size, 1e-30);

@@ -94,6 +94,7 @@ void apply_maps(inout Surface surface, uint triangle, uvec4 face, Corner_weights
     vec3 a = uintBitsToFloat(TRIANGLE(triangle, 0).xyz);
     precise vec3 ab = uintBitsToFloat(TRIANGLE(triangle, 1).xyz) - a, ac = uintBitsToFloat(TRIANGLE(triangle, 2).xyz) - a;
     float front = dot(cross(ab, ac), corner.normal) < 0.0 ? -1.0 : 1.0;
+    vec4 tangent = tangent_of(face, corner.weights);
 #endif
 #ifdef MATERIAL_MAPS
     vec4 finish = data_map(words.y, PLACED(1), width, area);
@@ -106,7 +107,7 @@ void apply_maps(inout Surface surface, uint triangle, uvec4 face, Corner_weights
 #ifdef NORMAL_MAPS
     Texcoords normal_at = PLACED(0);
     vec4 texel = data_map(words.x, normal_at, width, area);
-    vec4 bent = mapped_normal(surface.normal, front, texel, factors.x, normal_at, ab, ac);
+    vec4 bent = mapped_normal(surface.normal, front, texel, factors.x, normal_at, ab, ac, tangent);
     surface.normal = words.x == GW_NO_TEXTURE ? surface.normal : bent.xyz;
     surface.roughness = words.x == GW_NO_TEXTURE ? surface.roughness : widened_roughness(surface.roughness, bent.w);
 #endif
@@ -122,7 +123,7 @@ void apply_maps(inout Surface surface, uint triangle, uvec4 face, Corner_weights
     surface.coat_roughness *= data_map(more.z, PLACED(6), width, area).y;
     Texcoords coat_at = PLACED(7);
     float coat_scale = extension_row(face.w, GW_EXTENSION_COAT).z;
-    vec4 coat = mapped_normal(surface.coat_normal, front, data_map(more.w, coat_at, width, area), coat_scale, coat_at, ab, ac);
+    vec4 coat = mapped_normal(surface.coat_normal, front, data_map(more.w, coat_at, width, area), coat_scale, coat_at, ab, ac, tangent);
     surface.coat_normal = more.w == GW_NO_TEXTURE ? surface.coat_normal : coat.xyz;
     surface.coat_roughness = more.w == GW_NO_TEXTURE ? surface.coat_roughness : widened_roughness(surface.coat_roughness, coat.w);
 #endif

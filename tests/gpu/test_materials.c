@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "base/srgb.h"
+#include "build/tangent.h"
 #include "render/features.h"
 #include "tests/support/renders.h"
 
@@ -17,6 +18,9 @@ typedef enum card {
     DOME_MIRRORED,
     DOME_TURNED,
     DOME_SECOND_SET,
+    DOME_RIGHT, /* with tangents of their own: this and the next as their texture coordinates have them, */
+    DOME_LEFT,  /* mirrored, */
+    DOME_ABOUT, /* and turned half round */
     DOME_INWARD,
     DOME_COAT,
     REPEATED,
@@ -188,9 +192,13 @@ static void put_corner(gw_scene *scene, double (*world)[3], card which, uint32_t
     scene->second_texcoords[v * 2] = (float)x;
     scene->second_texcoords[v * 2 + 1] = (float)y;
     if (which != DOME_SECOND_SET) {
-        scene->texcoords[v * 2] = repeats * (float)(which == DOME_MIRRORED ? 1 - x : x);
+        const int mirrored = which == DOME_MIRRORED || which == DOME_LEFT;
+        scene->texcoords[v * 2] = repeats * (float)(mirrored ? 1 - x : x);
         scene->texcoords[v * 2 + 1] = repeats * (float)y;
     }
+    if (which >= DOME_RIGHT && which <= DOME_ABOUT)
+        scene->tangents[v] = gw_tangent_pack((const double[]){which == DOME_RIGHT ? 1 : -1, 0, 0},
+                                             which == DOME_LEFT ? -1 : 1);
     memset(scene->colors + v * 4, 255, 4);
     if (which == VERTEX_COLORS) {
         scene->colors[v * 4 + (k % 2 ? 0 : 2)] = 0;
@@ -231,6 +239,7 @@ static gw_scene *cards(void) {
     scene->texcoords = array((size_t)CARDS * 4, 2 * sizeof(float));
     scene->second_texcoords = array((size_t)CARDS * 4, 2 * sizeof(float));
     scene->colors = array((size_t)CARDS * 4, 4);
+    scene->tangents = array((size_t)CARDS * 4, sizeof *scene->tangents);
     scene->triangles = array((size_t)CARDS * 2, sizeof *scene->triangles);
     scene->material_of = array((size_t)CARDS * 2, sizeof *scene->material_of);
     scene->materials = array(CARDS, sizeof *scene->materials);
@@ -311,7 +320,7 @@ static int stands_out(const uint8_t *rgba, card which) {
 static void bumps_are_lit_from_their_side(void **state) {
     (void)state;
     for (int which = DOME; which <= DOME_COAT; ++which)
-        if (stands_out(seen, (card)which) != (which != DOME_INWARD))
+        if (stands_out(seen, (card)which) != (which != DOME_INWARD && which != DOME_ABOUT))
             fail_msg("card %d: left %.3f %.3f %.3f, right %.3f %.3f %.3f, top %.3f, bottom %.3f", which,
                      at(seen, (card)which, 2, 8, 0), at(seen, (card)which, 2, 8, 1),
                      at(seen, (card)which, 2, 8, 2), at(seen, (card)which, 13, 8, 0),
@@ -335,6 +344,27 @@ static void a_flipped_green_channel_shows(void **state) {
     open_cards(&naive, gw_naive_shaders(folder, "flipped-green", "shade/maps.glsl", "FLIPPED_GREEN"));
     uint8_t *rgba = gw_stage_take(&naive, &camera, &plain, NULL);
     assert_false(stands_out(rgba, DOME) || stands_out(rgba, DOME_MIRRORED) || stands_out(rgba, DOME_COAT));
+    free(rgba);
+    gw_stage_close(&naive);
+}
+
+/* The file's tangents count, not those of the texture coordinates, and so does their side. */
+static void tangents_of_the_file_are_followed(void **state) {
+    (void)state;
+    assert_true((gw_renderer_features(renderer) & GW_FEATURE_TANGENTS) != 0);
+    assert_true(at(seen, DOME_ABOUT, 2, 8, 0) > 1.3 * at(seen, DOME_ABOUT, 13, 8, 0));
+    assert_true(at(seen, DOME_ABOUT, 8, 13, 1) > 1.3 * at(seen, DOME_ABOUT, 8, 2, 1));
+    for (int c = 0; c < 3; ++c)
+        assert_true(fabs(at(seen, DOME_RIGHT, 13, 8, c) - at(seen, DOME, 13, 8, c)) < 0.01);
+}
+
+static void a_side_that_is_ignored_shows(void **state) {
+    (void)state;
+    char folder[512];
+    gw_stage naive;
+    open_cards(&naive, gw_naive_shaders(folder, "one-side", "shade/maps.glsl", "ONE_SIDE"));
+    uint8_t *rgba = gw_stage_take(&naive, &camera, &plain, NULL);
+    assert_true(stands_out(rgba, DOME_RIGHT) && !stands_out(rgba, DOME_LEFT));
     free(rgba);
     gw_stage_close(&naive);
 }
@@ -418,12 +448,14 @@ static void voxels_are_unlit_and_rough_as_their_maps(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bumps_are_lit_from_their_side),
+        cmocka_unit_test(tangents_of_the_file_are_followed),
         cmocka_unit_test(what_a_footprint_mixes_shines_wider),
         cmocka_unit_test(samplers_wrap_and_enlarge_as_asked),
         cmocka_unit_test(colours_and_opacity_are_shown),
         cmocka_unit_test(maps_of_extensions_are_read_at_the_hit),
         cmocka_unit_test(voxels_are_unlit_and_rough_as_their_maps),
-        cmocka_unit_test(a_flipped_green_channel_shows), /* last: it has a device of its own */
+        cmocka_unit_test(a_flipped_green_channel_shows), /* last: these have devices of their own */
+        cmocka_unit_test(a_side_that_is_ignored_shows),
     };
     return cmocka_run_group_tests_name("materials", tests, open_stage, close_stage);
 }

@@ -20,6 +20,7 @@ static inline gw_source_model *test_model(void) {
     static const float normals[4][3] = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
     static const float texcoords[4][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
     static const uint8_t colors[4][4] = {{255, 0, 0, 255}, {0, 255, 0, 255}, {0, 0, 255, 255}, {9, 9, 9, 9}};
+    static const uint32_t tangents[4] = {0x80000001u, 0, 7, 0xffffffffu};
     static const uint32_t triangles[2][3] = {{0, 1, 2}, {1, 3, 2}};
     static const uint32_t material_of[2] = {0, 1};
     static const gw_material materials[2] = {{.name = "first",
@@ -57,6 +58,7 @@ static inline gw_source_model *test_model(void) {
     scene->normals = test_copy(normals, sizeof normals);
     scene->texcoords = test_copy(texcoords, sizeof texcoords);
     scene->second_texcoords = test_copy(texcoords, sizeof texcoords);
+    scene->tangents = test_copy(tangents, sizeof tangents);
     scene->extensions = test_copy(extensions, sizeof extensions);
     scene->colors = test_copy(colors, sizeof colors);
     scene->triangles = test_copy(triangles, sizeof triangles);

@@ -19,6 +19,7 @@ static void carries_everything(void **state) {
     assert_memory_equal(a->normals, b->normals, 4 * 12);
     assert_memory_equal(a->texcoords, b->texcoords, 4 * 8);
     assert_memory_equal(a->second_texcoords, b->second_texcoords, 4 * 8);
+    assert_memory_equal(a->tangents, b->tangents, 4 * sizeof *a->tangents);
     assert_memory_equal(a->extensions, b->extensions, 2 * sizeof *a->extensions);
     assert_memory_equal(a->colors, b->colors, 4 * 4);
     assert_memory_equal(a->triangles, b->triangles, 2 * 12);

@@ -146,18 +146,21 @@ static void extensions_come_back_or_are_refused(void **state) {
     (void)state;
     fixture *f = make_fixture();
     float second[VERTICES][2] = {{0.25f, 0.5f}, {0.75f, 1}};
+    uint32_t tangents[VERTICES] = {5, 0xffffffffu};
     gw_material_extension extensions[2] = {gw_material_extension_none(), gw_material_extension_none()};
     extensions[1].normal.texture = 1;
     extensions[1].normal.coordinate = 1;
     extensions[1].clearcoat = 0.5f;
     f->scene.extensions = extensions;
     f->scene.second_texcoords = second[0];
+    f->scene.tangents = tangents;
     size_t size;
     void *block = pack(f, &size);
     gw_unpacked_scene u;
     check_ok(gw_unpack_scene(block, size, &u, &error));
     assert_memory_equal(u.scene.extensions, extensions, sizeof extensions);
     assert_memory_equal(u.scene.second_texcoords, second, sizeof second);
+    assert_memory_equal(u.scene.tangents, tangents, sizeof tangents);
     gw_unpacked_scene_finish(&u);
     for (int i = 0; i < 6; i++) {
         gw_material_extension e = extensions[1];

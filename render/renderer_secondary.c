@@ -41,8 +41,8 @@ static gw_kernel_key key_of(const gw_frame_job *job) {
                             GW_FEATURE_SMOOTH_NORMALS | GW_FEATURE_NORMAL_MAPS | GW_FEATURE_MATERIAL_MAPS |
                             GW_FEATURE_MAP_PLACEMENT | GW_FEATURE_SQUARE_TEXELS |
                             GW_FEATURE_TRANSMISSION_MAPS;
-    const gw_features of_gloss =
-        GW_FEATURE_SPECULAR | GW_FEATURE_CLEARCOAT | GW_FEATURE_SHEEN | GW_FEATURE_UNLIT;
+    const gw_features of_gloss = GW_FEATURE_SPECULAR | GW_FEATURE_CLEARCOAT | GW_FEATURE_LAYER_MAPS |
+                                 GW_FEATURE_SHEEN | GW_FEATURE_UNLIT;
     const gw_features features = all | (job->key.features & GW_FEATURE_GLOSSY ? of_gloss : 0);
     return (gw_kernel_key){.features = job->key.features & features,
                            .depth = job->key.depth,

@@ -194,6 +194,7 @@ GW_STRUCT_END(gw_emissive_slot)
 #define GW_BROUGHT_ROWS_DIFFUSE 2
 #define GW_RAY_REFLECTED 1u
 #define GW_RAY_REFRACTED 2u
+#define GW_RAY_COAT 4u // of a clearcoat that is no mirror; never beside refracted ones
 #define GW_RAY_CONES 8u // as many as the frame has
 #define GW_CONES_OCCLUDE 1u
 #define GW_CONES_LIGHT 2u

@@ -159,9 +159,19 @@ vec3 environment_specular(Surface surface, vec3 view) {
     return share;
 }
 
+// The same of its clearcoat.
+float environment_coat(Surface surface) {
+#ifdef CLEARCOAT
+    precise float share = surface.coat_albedo * (occlusion_of(surface) * lit_of(surface));
+    return share;
+#else
+    return 0.0;
+#endif
+}
+
 // Radiance towards `view` from light all around: irradiance about the normal; radiance as a lobe of the surface's roughness about the
-// mirrored view sees it. A clearcoat takes the same radiance.
-vec3 reflect_environment(Surface surface, vec3 view, vec3 irradiance, vec3 radiance) {
+// mirrored view sees it, and as its clearcoat's lobe does.
+vec3 reflect_environment(Surface surface, vec3 view, vec3 irradiance, vec3 radiance, vec3 coat_radiance) {
     float arriving = occlusion_of(surface) * lit_of(surface);
     precise vec3 reflected = irradiance * INVERSE_PI * (diffuse_share(surface) * (arriving * share_below(surface))) +
                              radiance * environment_specular(surface, view);
@@ -173,7 +183,7 @@ vec3 reflect_environment(Surface surface, vec3 view, vec3 irradiance, vec3 radia
     reflected += irradiance * INVERSE_PI * surface.sheen * (min(surface.sheen_albedo, 1.0) * over_sheen);
 #endif
 #ifdef CLEARCOAT
-    reflected += radiance * (surface.coat_albedo * arriving);
+    reflected += coat_radiance * environment_coat(surface);
 #endif
     return reflected;
 }
@@ -214,8 +224,8 @@ float sheen_of(Surface surface, float n_l, float n_v, float n_h) {
 #endif
 
 // Radiance towards `view` from light that comes from direction `light` (both unit, away from the surface); of its highlight the share
-// `highlight`.
-vec3 reflect_light(Surface surface, vec3 view, vec3 light, vec3 irradiance, float highlight) {
+// highlight.x, of its clearcoat's highlight.y.
+vec3 reflect_light(Surface surface, vec3 view, vec3 light, vec3 irradiance, vec2 highlight) {
     vec3 n = surface.normal;
     vec3 halfway = normalize(view + light);
     float n_l = max(dot(n, light), 0.0), n_v = max(dot(n, view), LEAST_COSINE);
@@ -233,7 +243,7 @@ vec3 reflect_light(Surface surface, vec3 view, vec3 light, vec3 irradiance, floa
 #endif
     precise vec3 diffuse = diffuse_share(surface) * (INVERSE_PI * cosine);
     precise vec3 mirrored = fresnel * multiple_scattering(surface) * highlight_of(surface.roughness, n_l, n_v, n_h);
-    precise vec3 reflected = (diffuse + mirrored * highlight) * share_below(surface);
+    precise vec3 reflected = (diffuse + mirrored * highlight.x) * share_below(surface);
 #ifdef SHEEN
     precise vec3 sheen = surface.sheen * sheen_of(surface, n_l, n_v, n_h);
 #ifdef CLEARCOAT
@@ -245,7 +255,7 @@ vec3 reflect_light(Surface surface, vec3 view, vec3 light, vec3 irradiance, floa
     float c_l = max(dot(surface.coat_normal, light), 0.0), c_v = max(dot(surface.coat_normal, view), LEAST_COSINE);
     float c_h = clamp(dot(surface.coat_normal, halfway), 0.0, 1.0);
     precise float coat = surface.coat * (0.04 + 0.96 * grazing) * highlight_of(surface.coat_roughness, c_l, c_v, c_h);
-    reflected += coat;
+    reflected += coat * highlight.y;
 #endif
     return irradiance * reflected * lit_of(surface);
 }

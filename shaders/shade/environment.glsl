@@ -50,13 +50,12 @@ vec3 irradiance_around(Surface surface) {
 #endif
 }
 
-// What the surface's roughness makes of it about the mirrored view: up to 0.2 the picture over a cone as wide as the lobe, from 0.4 on what
-// is blurred for it, in between both.
-vec3 radiance_around(Surface surface, vec3 view) {
+// What a roughness makes of it about the view that a normal mirrors: up to 0.2 the picture over a cone as wide as the lobe, from 0.4 on
+// what is blurred for it, in between both.
+vec3 radiance_of_lobe(vec3 normal, float roughness, vec3 view) {
     vec3 ambient = frame.ambient.rgb * INVERSE_PI;
 #ifdef ENVIRONMENT
-    precise vec3 mirrored = surface.normal * (2.0 * dot(surface.normal, view)) - view;
-    float roughness = surface.roughness;
+    precise vec3 mirrored = normal * (2.0 * dot(normal, view)) - view;
     vec3 sharp = environment_within(mirrored, 2.5 * roughness * roughness);
     float layer = clamp(roughness - 0.4, 0.0, 0.6) * 5.0;
     int lower = min(int(layer), GW_ENVIRONMENT_LAYERS - 3);
@@ -66,5 +65,20 @@ vec3 radiance_around(Surface surface, vec3 view) {
     return frame.environment.z > 0.0 ? sum : ambient;
 #else
     return ambient;
+#endif
+}
+
+vec3 radiance_around(Surface surface, vec3 view) {
+    return radiance_of_lobe(surface.normal, surface.roughness, view);
+}
+
+// As the surface's clearcoat sees it.
+vec3 radiance_around_coat(Surface surface, vec3 view) {
+#ifndef CLEARCOAT
+    return vec3(0.0);
+#elif defined(COAT_AS_BASE)
+    return radiance_around(surface, view); // the naive variant, for the test that shows why
+#else
+    return radiance_of_lobe(surface.coat_normal, surface.coat_roughness, view);
 #endif
 }

@@ -60,8 +60,8 @@ vec3 visible_normal(vec3 view, float a, vec2 place) {
 
 // What would go below the surface meets another microfacet and is turned up again. The footprint takes in as much of the lobe as comes
 // to one of the samples so far; less where it would reach back to the surface, as a cone's (shade/cone_ray.glsl).
-Secondary_ray glossy_ray(Met met, Gloss gloss, vec2 place) {
-    mat3 about = frame_about(met.normal);
+Secondary_ray glossy_ray(Met met, vec3 normal, Gloss gloss, vec2 place) {
+    mat3 about = frame_about(normal);
     float a = gloss.roughness * gloss.roughness;
     precise vec3 view = vec3(-dot(met.direction, about[0]), -dot(met.direction, about[1]), max(-dot(met.direction, about[2]), LEAST_COSINE));
     vec3 drawn = visible_normal(view / length_precise(view), a, place);

@@ -21,15 +21,26 @@ Surface widened_by(Surface surface, float angle) {
 }
 #endif
 
-// fragment: which of the dispatch it is; seen: what share of the highlights of surfaces that emit light secondary rays bring.
-vec3 light_surface(Surface surface, vec3 view, uint fragment, float seen) {
-    precise vec3 radiance = surface.emissive + reflect_environment(surface, view, irradiance_around(surface), radiance_around(surface, view));
+// Which share of a light's highlights lights bring that were taken from the environment; of the clearcoat's in y.
+vec2 highlights_of_environment(Surface surface) {
+    vec2 share = vec2(1.0);
+#ifdef ENVIRONMENT
+    share.x = highlight_share(surface.roughness);
+#ifdef CLEARCOAT
+    share.y = highlight_share(surface.coat_roughness);
+#endif
+#endif
+    return share;
+}
+
+// fragment: which of the dispatch it is; seen: what share of the highlights of surfaces that emit light secondary rays bring, and of
+// those of its clearcoat.
+vec3 light_surface(Surface surface, vec3 view, uint fragment, vec2 seen) {
+    precise vec3 radiance = surface.emissive + reflect_environment(surface, view, irradiance_around(surface), radiance_around(surface, view),
+                                                                   radiance_around_coat(surface, view));
 #ifdef DIRECTIONAL_LIGHTS
     for (uint i = 0u; i < frame.counts.y; ++i) {
-        float highlight = 1.0;
-#ifdef ENVIRONMENT
-        highlight = light_row(i, 0).w > 0.0 ? highlight_share(surface.roughness) : 1.0;
-#endif
+        vec2 highlight = light_row(i, 0).w > 0.0 ? highlights_of_environment(surface) : vec2(1.0);
         radiance += reflect_light(surface, view, point_of_light(i, surface.position).towards, light_row(i, 1).xyz, highlight) * VISIBILITY(fragment, i);
     }
 #endif
@@ -41,10 +52,10 @@ vec3 light_surface(Surface surface, vec3 view, uint fragment, float seen) {
         vec3 towards = point.towards / max(length_precise(point.towards), 1e-12);
         intensity *= share_of_light(i, towards, metres);
         Surface lit = surface;
-        float highlight = 1.0;
+        vec2 highlight = vec2(1.0);
 #ifdef EMISSIVE_LIGHTS
         lit = widened_by(surface, point.angle);
-        highlight = is_emissive(i) ? 1.0 - seen : 1.0;
+        highlight = is_emissive(i) ? 1.0 - seen : vec2(1.0);
 #endif
         radiance += reflect_light(lit, view, towards, intensity / (metres * metres), highlight) * VISIBILITY(fragment, i);
     }

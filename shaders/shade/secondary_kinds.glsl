@@ -70,8 +70,14 @@ uint refraction_asked(Pixel_ray ray, uint id, float t, float weight, uvec2 media
 #endif
 
 #ifdef GLOSSY
-bool gloss_asked(Pixel_ray ray, uint id, float t, float weight) {
-    return worth_asking(ray, throughput_of(ray, weight) * gloss_at(ray, id, t).part);
+uint gloss_asked(Pixel_ray ray, uint id, float t, float weight) {
+    Glosses glosses = glosses_at(ray, id, t);
+    float throughput = throughput_of(ray, weight);
+    uint kinds = worth_asking(ray, throughput * glosses.base.part) ? GW_RAY_REFLECTED : 0u;
+#ifdef CLEARCOAT
+    kinds |= worth_asking(ray, throughput * glosses.coat.part) ? GW_RAY_COAT : 0u;
+#endif
+    return kinds;
 }
 #endif
 
@@ -82,7 +88,7 @@ uint kinds_asked(Pixel_ray ray, uint id, float t, float weight, uvec2 media) {
     kinds |= refraction_asked(ray, id, t, weight, media);
 #endif
 #ifdef GLOSSY
-    kinds |= gloss_asked(ray, id, t, weight) ? GW_RAY_REFLECTED : 0u;
+    kinds |= gloss_asked(ray, id, t, weight);
 #endif
 #ifdef MIRROR
     kinds |= worth_asking(ray, throughput_of(ray, weight) * mirror_share(id)) ? GW_RAY_REFLECTED : 0u;
@@ -94,9 +100,13 @@ uint kinds_asked(Pixel_ray ray, uint id, float t, float weight, uvec2 media) {
     return kinds;
 }
 
-// Of the kinds before the cones.
-uint first_cone_of(uint kinds) {
+// Which of a fragment's rays its clearcoat reflects, if any; and of cones the first.
+uint coat_ray_of(uint kinds) {
     return uint(bitCount(kinds & (GW_RAY_REFLECTED | GW_RAY_REFRACTED)));
+}
+
+uint first_cone_of(uint kinds) {
+    return uint(bitCount(kinds & (GW_RAY_REFLECTED | GW_RAY_REFRACTED | GW_RAY_COAT)));
 }
 
 uint rays_of(uint kinds) {

@@ -27,13 +27,28 @@ vec3 with_reflected(vec3 lit, Surface surface, vec3 view, uint id, uint asked) {
 #endif
 
 #ifdef GLOSSY
-// What stands round a nearly smooth surface, in place of the light from everywhere that it keeps away.
+// What stands round a nearly smooth lobe, in place of the light from everywhere that it keeps away.
+vec3 changed_by(vec4 brought, vec3 around) {
+    precise vec3 changed = brought.rgb + (brought.w - 1.0) * around;
+    return changed;
+}
+
+#ifdef CLEARCOAT
+vec3 with_glossy_coat(vec3 lit, Surface surface, vec3 view, uint id, uint asked) {
+    uint kinds = GW_ASKED_KINDS(asked);
+    bool none = (kinds & GW_RAY_COAT) == 0u;
+    vec4 brought = radiance_of(none ? 0u : GW_ASKED_FIRST(asked) + coat_ray_of(kinds));
+    float share = coat_share(id, surface);
+    precise vec3 added = lit + share * environment_coat(surface) * changed_by(brought, radiance_around_coat(surface, view));
+    return none || share <= 0.0 ? lit : added;
+}
+#endif
+
 vec3 with_glossy(vec3 lit, Surface surface, vec3 view, uint id, uint asked) {
     bool none = (GW_ASKED_KINDS(asked) & GW_RAY_REFLECTED) == 0u;
     vec4 brought = radiance_of(none ? 0u : GW_ASKED_FIRST(asked));
     float roughness, share = glossy_share(id, surface, roughness);
-    precise vec3 changed = brought.rgb + (brought.w - 1.0) * radiance_around(surface, view);
-    precise vec3 added = lit + share * environment_specular(surface, view) * changed;
+    precise vec3 added = lit + share * environment_specular(surface, view) * changed_by(brought, radiance_around(surface, view));
     return none || share <= 0.0 ? lit : added;
 }
 #endif
@@ -105,7 +120,7 @@ vec3 with_cones(vec3 lit, Surface surface, vec3 view, uint asked) {
     bounced /= 1.0 - again;
     irradiance += (frame.sampling.w & GW_CONES_LIGHT) != 0u ? bounced / INVERSE_PI : vec3(0.0);
 #endif
-    precise vec3 added = lit + reflect_environment(surface, view, irradiance, vec3(0.0));
+    precise vec3 added = lit + reflect_environment(surface, view, irradiance, vec3(0.0), vec3(0.0));
     return none ? lit : added;
 }
 #endif
@@ -117,6 +132,9 @@ vec3 with_secondary(vec3 lit, Surface surface, vec3 view, uint id, uint fragment
 #endif
 #ifdef GLOSSY
     lit = with_glossy(lit, surface, view, id, asked);
+#ifdef CLEARCOAT
+    lit = with_glossy_coat(lit, surface, view, id, asked);
+#endif
 #endif
 #ifdef CONES
     lit = with_cones(lit, surface, view, asked);

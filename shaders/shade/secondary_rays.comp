@@ -7,6 +7,7 @@
 // variants: OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 TRANSMISSION=1 CONES=1 OCCLUSION=1 DIFFUSE=1 LOD=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 SECONDARY=1 TRANSMISSION=1 CONES=1 OCCLUSION=1; OCTREE_DEPTH=11 SECONDARY=1 CONES=1 OCCLUSION=1 LOD=1 SMOOTH_NORMALS=1 FRAGMENTS=8u; OCTREE_DEPTH=11 SECONDARY=1 MIRROR=1 CONES=1 OCCLUSION=1 DIFFUSE=1 LOD=1 GAZE=1 SPARSE=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 SECONDARY=1 GLOSSY=1 SMOOTH_NORMALS=1; OCTREE_DEPTH=11 SECONDARY=1 GLOSSY=1 LOD=1 GAZE=1 SPARSE=1 MATERIAL_MAPS=1 DATA_CLASSES=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 SECONDARY=1 GLOSSY=1 CLEARCOAT=1; OCTREE_DEPTH=11 SECONDARY=1 GLOSSY=1 CLEARCOAT=1 LAYER_MAPS=1 SHEEN=1 SPECULAR=1 DATA_CLASSES=1 LOD=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 SECONDARY=1 GLOSSY=1 MIRROR=1 TRANSMISSION=1 CONES=1 OCCLUSION=1 DIFFUSE=1 REFLECTED=1 LOD=1 CLEARCOAT=1 SHEEN=1 SPECULAR=1 UNLIT=1 FRAGMENTS=8u
 #ifndef OCTREE_DEPTH
 #define OCTREE_DEPTH 11
@@ -20,7 +21,7 @@ uniform uint group_base;
 layout(std430, binding = 0) readonly buffer Fragments { uint fragments[]; };
 layout(std430, binding = 20) readonly buffer Requests { uint requests[]; };
 layout(std430, binding = 26) writeonly buffer Next_rays { uvec4 next_rays[]; };
-#if defined(TRANSMISSION) || defined(CONES)
+#if defined(TRANSMISSION) || defined(CONES) || (defined(GLOSSY) && defined(CLEARCOAT))
 layout(std430, binding = 19) readonly buffer Asked { uint asked_of[]; };
 #endif
 #ifdef TRANSMISSION
@@ -62,8 +63,17 @@ void main() {
     Secondary_ray next = reflected_ray(met);
 #ifdef GLOSSY
     uint seed = lobe_seed(square, fragment / FRAGMENTS);
-    Gloss gloss = gloss_at(ray, met.id, uintBitsToFloat(fragments[word + 1u]));
-    Secondary_ray from_lobe = glossy_ray(met, gloss, place_in_lobe(square, seed));
+    Glosses glosses = glosses_at(ray, met.id, uintBitsToFloat(fragments[word + 1u]));
+    Gloss gloss = glosses.base;
+    vec3 normal = met.normal;
+#ifdef CLEARCOAT
+    uint asked_kinds = GW_ASKED_KINDS(asked_of[fragment]);
+    bool coat = (asked_kinds & GW_RAY_COAT) != 0u && GW_REQUEST_WHICH(request) == coat_ray_of(asked_kinds);
+    normal = coat ? glosses.coat_normal : normal;
+    if (coat)
+        gloss = glosses.coat;
+#endif
+    Secondary_ray from_lobe = glossy_ray(met, normal, gloss, place_in_lobe(square, seed));
     uint glossy = gloss.share > 0.0 ? GW_GLOSSY_RAY : 0u;
     if (glossy != 0u)
         next = from_lobe;

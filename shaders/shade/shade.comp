@@ -19,6 +19,7 @@
 // variants: OCTREE_DEPTH=11 LOD=1 REFLECTED=1 SECONDARY=1 CONES=1 OCCLUSION=1 DIFFUSE=1 MIRROR=1 TRANSMISSION=1 ALPHA=1 ABSORPTION=1 UNLIT=1 SHEEN=1 CLEARCOAT=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 LOD=1 SECONDARY=1 CONES=1 OCCLUSION=1 FRAGMENTS=8u; OCTREE_DEPTH=11 LOD=1 REFLECTED=1 SECONDARY=1 CONES=1 OCCLUSION=1 DIFFUSE=1 MIRROR=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 EMISSIVE_LIGHTS=1 EMISSIVE=1 CLEARCOAT=1; OCTREE_DEPTH=11 LOD=1 REFLECTED=1 SECONDARY=1 CONES=1 DIFFUSE=1 MIRROR=1 TRANSMISSION=1 ALPHA=1 EMISSIVE_LIGHTS=1 SHADOWS=1 FRAGMENTS=8u
+// variants: OCTREE_DEPTH=11 SECONDARY=1 GLOSSY=1 CLEARCOAT=1 EMISSIVE_LIGHTS=1 ENVIRONMENT=1 DIRECTIONAL_LIGHTS=1
 // variants: OCTREE_DEPTH=11 SECONDARY=1 GLOSSY=1; OCTREE_DEPTH=11 LOD=1 REFLECTED=1 SECONDARY=1 GLOSSY=1 MIRROR=1 TRANSMISSION=1 CONES=1 OCCLUSION=1 ALPHA=1 EMISSIVE_LIGHTS=1 FRAGMENTS=8u
 // variants: OCTREE_DEPTH=11 DEBUG_VIEW=1; OCTREE_DEPTH=11 COUNT=1 DEBUG_VIEW=2; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=4
 // variants: OCTREE_DEPTH=11 GAZE=1 SPARSE=1 DEBUG_VIEW=5; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=6; OCTREE_DEPTH=11 GAZE=1 DEBUG_VIEW=7
@@ -215,17 +216,23 @@ void main() {
         float brightest = max(max(rest.emissive.r, rest.emissive.g), rest.emissive.b), least = frame.environment_mean.w;
         rest.emissive *= IS_CONE(ray) && least > 0.0 && brightest >= least ? 1.0 - lit_of(rest) : 1.0;
 #endif
-        float seen = 0.0;
+        vec2 seen = vec2(0.0);
 #if defined(EMISSIVE_LIGHTS) && defined(MIRROR)
-        seen = (GW_ASKED_KINDS(asked_of[slot * FRAGMENTS + i]) & GW_RAY_REFLECTED) != 0u ? mirror_share(id) : 0.0;
+        seen.x = (GW_ASKED_KINDS(asked_of[slot * FRAGMENTS + i]) & GW_RAY_REFLECTED) != 0u ? mirror_share(id) : 0.0;
 #endif
 #if defined(EMISSIVE_LIGHTS) && defined(TRANSMISSION)
         bool reflects = optics.sheer && (GW_ASKED_KINDS(asked_of[slot * FRAGMENTS + i]) & GW_RAY_REFLECTED) != 0u;
-        seen = reflects ? 1.0 : seen;
+        seen.x = reflects ? 1.0 : seen.x;
 #endif
 #if defined(EMISSIVE_LIGHTS) && defined(GLOSSY)
         float gloss_roughness, gloss = glossy_share(id, rest, gloss_roughness);
-        seen = (GW_ASKED_KINDS(asked_of[slot * FRAGMENTS + i]) & GW_RAY_REFLECTED) != 0u ? max(seen, gloss) : seen;
+        seen.x = (GW_ASKED_KINDS(asked_of[slot * FRAGMENTS + i]) & GW_RAY_REFLECTED) != 0u ? max(seen.x, gloss) : seen.x;
+#ifdef CLEARCOAT
+        seen.y = (GW_ASKED_KINDS(asked_of[slot * FRAGMENTS + i]) & GW_RAY_COAT) != 0u ? coat_share(id, rest) : 0.0;
+#ifdef COATS_LIT_TWICE
+        seen.y = 0.0; // the naive variant, for the test that shows why
+#endif
+#endif
 #endif
 #ifdef BRINGS_EVERYWHERE
         bool mirrors = true;
@@ -233,7 +240,8 @@ void main() {
         mirrors = !optics.sheer; // what it brings stands in its place
 #endif
         precise vec3 reflected_everywhere = reflect_environment(rest, view, irradiance_around(rest),
-                                                                mirrors ? radiance_around(rest, view) : vec3(0.0));
+                                                                mirrors ? radiance_around(rest, view) : vec3(0.0),
+                                                                radiance_around_coat(rest, view));
 #endif
         precise vec3 lit = light_surface(rest, view, slot * FRAGMENTS + i, seen);
 #ifdef SECONDARY

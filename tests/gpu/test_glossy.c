@@ -39,9 +39,15 @@ static gw_scene *floor_and_wall(float roughness, float metalness, int stripes) {
         scene->ambient[i] = stripes ? 0.2f : 1;
         scene->background[i] = stripes ? 0.1f : light;
     }
+    /* A scene's triangles stand in an order of its own. */
+    const double metres = ldexp(1, scene->exponent);
     for (uint32_t t = 0; t < scene->triangle_count; ++t) {
-        const int on_wall = t >= 2 * 8 * 8;
-        scene->material_of[t] = on_wall ? (stripes && t / 2 % 2 ? 2 : WALL) : FLOOR;
+        const float *a = &scene->positions[3 * (size_t)scene->triangles[t][0]],
+                    *b = &scene->positions[3 * (size_t)scene->triangles[t][1]],
+                    *c = &scene->positions[3 * (size_t)scene->triangles[t][2]];
+        const int on_wall = fabsf(a[1] - b[1]) + fabsf(a[1] - c[1]) > 1e-4f;
+        const int stripe = (int)floor(((double)a[0] + (double)b[0] + (double)c[0]) / 3 * metres * 8);
+        scene->material_of[t] = on_wall ? (stripes && stripe & 1 ? 2 : WALL) : FLOOR;
     }
     return scene;
 }
@@ -127,6 +133,130 @@ static void samples_fill_the_lobe(void **state) {
         free(pictures[i]);
 }
 
+/* What makes a black floor reflect: its own dielectric, or over one that reflects nothing a clearcoat as
+ * smooth. */
+enum { BARE, COATED };
+enum { FLOOR_PIXELS = PIXELS / 2, FLOOR_ROWS = FLOOR_PIXELS * 4 }; /* the lower half of the picture */
+
+static gw_scene *black_floor(int finish, float roughness) {
+    gw_scene *scene = floor_and_wall(finish == BARE ? roughness : 1, 0, 1);
+    scene->extensions = malloc(scene->material_count * sizeof *scene->extensions);
+    assert_non_null(scene->extensions);
+    for (uint32_t i = 0; i < scene->material_count; ++i)
+        scene->extensions[i] = gw_material_extension_none();
+    scene->extensions[FLOOR].specular = finish == BARE;
+    scene->extensions[FLOOR].clearcoat = finish == COATED;
+    scene->extensions[FLOOR].clearcoat_roughness = roughness;
+    for (int i = 0; i < 3; ++i) {
+        scene->materials[FLOOR].base_color[i] = 0;
+        scene->materials[WALL].emissive[i] = 2;
+    }
+    return scene;
+}
+
+static uint8_t *black_floor_picture(int finish, float roughness, int lights, const char *shaders,
+                                    gw_counters *counters) {
+    const char *const with_lights[] = {"octree_depth=6", "emissive_lights=4", "tau_inside=0",
+                                       "glossy_roughness=0.4", NULL};
+    gw_stage stage;
+    gw_camera camera;
+    check_ok(gw_stage_open(&stage, black_floor(finish, roughness), shaders, lights ? with_lights : settings,
+                           &error));
+    gw_camera_look(&camera, &stage, (const double[]){0.1, 0.5, 1.6}, (const double[]){0, 0.1, -0.3}, 40,
+                   SIDE);
+    camera.state.accumulate = 16;
+    uint8_t *picture = gw_stage_take(&stage, &camera, NULL, counters);
+    gw_stage_close(&stage);
+    return picture;
+}
+
+/* A coat shows what stands round it as a bare surface of its roughness does, whatever lies below. */
+static void coats_reflect_as_they_are_rough(void **state) {
+    static const float roughnesses[] = {0, 0.2f};
+    char folder[512];
+    (void)state;
+    const char *dull = gw_naive_shaders(folder, "dull-coats", "shade/glossy_share.glsl", "DULL_COATS");
+    for (int r = 0; r < 2; ++r) {
+        gw_counters counters = {0};
+        uint8_t *bare = black_floor_picture(BARE, roughnesses[r], 0, NULL, NULL),
+                *coated = black_floor_picture(COATED, roughnesses[r], 0, NULL, &counters),
+                *naive = black_floor_picture(COATED, roughnesses[r], 0, dull, NULL);
+        const double off = gw_mean_difference(coated, bare, PIXELS),
+                     off_dull = gw_mean_difference(naive, bare, PIXELS);
+        print_message("# roughness %g, coat beside bare: %.2f/255 off, without rays %.2f\n",
+                      (double)roughnesses[r], off, off_dull);
+        assert_true(counters.glossy_rays > 4 * PIXELS && counters.mirror_rays == 0);
+        assert_true(off < 1 && off_dull > 4);
+        free(bare);
+        free(coated);
+        free(naive);
+    }
+}
+
+/* What rays bring of surfaces that emit light has no highlight of their lights besides, in coats either. */
+static void coats_show_lamps_once(void **state) {
+    char folder[512];
+    (void)state;
+    const char *twice = gw_naive_shaders(folder, "coats-twice", "shade/shade.comp", "COATS_LIT_TWICE");
+    uint8_t *by_rays = black_floor_picture(COATED, 0.2f, 0, NULL, NULL),
+            *with_lights = black_floor_picture(COATED, 0.2f, 1, NULL, NULL),
+            *naive = black_floor_picture(COATED, 0.2f, 1, twice, NULL);
+    const double light = gw_mean_linear(by_rays + FLOOR_ROWS, FLOOR_PIXELS),
+                 once = gw_mean_linear(with_lights + FLOOR_ROWS, FLOOR_PIXELS),
+                 lit_twice = gw_mean_linear(naive + FLOOR_ROWS, FLOOR_PIXELS);
+    print_message(
+        "# glowing wall in a coat: %.4f by rays, %.4f where it is a light too, %.4f with its highlights\n",
+        light, once, lit_twice);
+    assert_true(fabs(once - light) < 0.005 * light);
+    assert_true(lit_twice > 1.05 * light); /* the naive rule fails */
+    free(by_rays);
+    free(with_lights);
+    free(naive);
+}
+
+/* A wall that reflects by its smooth coat only, between sky and ground: how much of the change between both,
+ * mirrored in it, lies within three rows. */
+static double sharpness_of_coat(const char *shaders) {
+    gw_mesh mesh = {0};
+    gw_mesh_add_grid(&mesh, (const double[]){-2, -2, 0}, (const double[]){4, 0, 0}, (const double[]){0, 4, 0},
+                     4, 4);
+    gw_scene *scene = gw_mesh_take(&mesh);
+    scene->extensions = malloc(sizeof *scene->extensions);
+    assert_non_null(scene->extensions);
+    scene->extensions[0] = gw_material_extension_none();
+    scene->extensions[0].specular = 0;
+    scene->extensions[0].clearcoat = 1;
+    scene->materials[0].roughness = 1;
+    scene->materials[0].metalness = 0;
+    for (int i = 0; i < 3; ++i)
+        scene->materials[0].base_color[i] = scene->ambient[i] = scene->background[i] = 0;
+    gw_give_sky(scene, 0);
+    gw_stage stage;
+    gw_camera camera;
+    double row[SIDE] = {0}, jump = 0;
+    check_ok(gw_stage_open(&stage, scene, shaders, settings, &error));
+    gw_camera_look(&camera, &stage, (const double[]){0, 0, 2}, (const double[]){0, 0, 0}, 50, SIDE);
+    uint8_t *picture = gw_stage_take(&stage, &camera, NULL, NULL);
+    for (int i = 0; i < PIXELS; ++i)
+        row[i / SIDE] += gw_srgb_code_to_linear(picture[4 * i]) / SIDE;
+    for (int y = 0; y + 2 < SIDE; ++y)
+        jump = fmax(jump, fabs(row[y] - row[y + 2]));
+    free(picture);
+    gw_stage_close(&stage);
+    return jump / 0.01; /* 4 % of the difference of sky and ground */
+}
+
+static void smooth_coats_mirror_sharply(void **state) {
+    char folder[512];
+    (void)state;
+    const char *as_base = gw_naive_shaders(folder, "coat-as-base", "shade/environment.glsl", "COAT_AS_BASE");
+    const double sharp = sharpness_of_coat(NULL), naive = sharpness_of_coat(as_base);
+    print_message(
+        "# horizon in a coat over a rough base: %.2f of it in three rows, as blurred as the base %.2f\n",
+        sharp, naive);
+    assert_true(sharp > 0.8 && naive < 0.3);
+}
+
 /* A gaze, voxels, sparse samples: counted, suspended, with all effects and in pieces. */
 static void however_it_is_drawn_pixels_are_the_same(void **state) {
     gw_stage stage;
@@ -169,6 +299,10 @@ static void what_calls_for_it_is_data(void **state) {
     assert_false(gw_calls_for_gloss(scene, 0.02f, 0.2f));
     assert_false(gw_calls_for_gloss(scene, 0.2f, 0.25f)); /* a mirror */
     assert_false(gw_calls_for_gloss(scene, 0.02f, 0));
+    gw_scene *coated = black_floor(COATED, 0.2f); /* the coat alone */
+    assert_true(gw_calls_for_gloss(coated, 0.02f, 0.25f));
+    assert_false(gw_calls_for_gloss(coated, 0.02f, 0.2f));
+    gw_scene_destroy(&coated);
     for (int i = 0; i < 3; ++i)
         scene->ambient[i] = scene->background[i] = scene->materials[WALL].emissive[i] = 0;
     assert_false(gw_calls_for_gloss(scene, 0.02f, 0.25f)); /* nothing to reflect */
@@ -180,6 +314,9 @@ int main(void) {
         cmocka_unit_test(what_calls_for_it_is_data),
         cmocka_unit_test(a_furnace_keeps_its_light),
         cmocka_unit_test(samples_fill_the_lobe),
+        cmocka_unit_test(coats_reflect_as_they_are_rough),
+        cmocka_unit_test(coats_show_lamps_once),
+        cmocka_unit_test(smooth_coats_mirror_sharply),
         cmocka_unit_test(however_it_is_drawn_pixels_are_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

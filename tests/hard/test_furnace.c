@@ -50,7 +50,7 @@ static const char kernel[] =
     "    if (k == 4u) s.sheen_roughness = 0.25;\n"
     "    vec3 view = vec3(sqrt(1.0 - c * c), 0.0, c);\n"
     "    see_surface(s, view);\n"
-    "    float white = max(reflect_environment(s, view, vec3(1.0 / INVERSE_PI), vec3(1)).r, 0.0);\n"
+    "    float white = max(reflect_environment(s, view, vec3(1.0 / INVERSE_PI), vec3(1), vec3(1)).r, 0.0);\n"
     "    float sum = 0.0;\n"
     "    for (uint n = 0u; n < DRAWS; ++n) {\n"
     "        uint which = n % 3u;\n"
@@ -72,7 +72,7 @@ static const char kernel[] =
     "        float density = (density_of_normal(s.roughness, h.z, v_h) + density_of_normal(s.coat_roughness, "
     "dot(h, c_n), v_h) +\n"
     "                         max(light.z, 0.0) * INVERSE_PI) / 3.0;\n"
-    "        sum += reflect_light(s, view, light, vec3(1), 1.0).r / density;\n"
+    "        sum += reflect_light(s, view, light, vec3(1), vec2(1)).r / density;\n"
     "    }\n"
     "    results[i] = vec2(white, sum / float(DRAWS));\n"
     "}\n";

@@ -181,8 +181,10 @@ GW_STRUCT_END(gw_emissive_slot)
 // 0 for padding, the distance up to which only triangles count, the largest share of a pixel that depends on it, 0 if it may not ask
 // for more, and for cones the length up to which anything counts, below 0 if what they meet need not be lit; with TRANSMISSION the
 // media that it is in (shade/media.glsl), the triangle that it comes through or GW_NO_TRIANGLE; with GLOSSY what its pixel draws lobes
-// by, and GW_GLOSSY_RAY. All as the bits of words.
+// by, GW_GLOSSY_RAY and GW_UNLIT_RAY. All as the bits of words.
 #define GW_GLOSSY_RAY 0x80000000u // what of it meets nothing is asked elsewhere
+#define GW_UNLIT_RAY 0x40000000u  // lights bring where it comes from what of the environment they stand for
+#define GW_LOBE_SEED 0x3fffffffu
 #define GW_SECONDARY_ROWS 4u
 // Which rays a fragment asks for: the number of the first in bits 0-27, a bit of GW_RAY_ for each kind in bits 28-31; its rays
 // are numbered kind by kind. What they bring stands by number: radiance, and what of the ray met nothing.

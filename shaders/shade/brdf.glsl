@@ -145,6 +145,12 @@ float widened_roughness(float roughness, float spread) {
     return spread <= 0.0 ? roughness : sqrt(sqrt(widened));
 }
 
+// Which share of the lights taken from the environment a surface of this roughness shows as highlights, which shadows reach: smoother
+// ones mirror the picture itself.
+float highlight_share(float roughness) {
+    return clamp(5.0 * roughness - 1.0, 0.0, 1.0);
+}
+
 float lit_of(Surface surface) {
 #ifdef UNLIT
     return surface.lit;

@@ -20,19 +20,14 @@ vec3 environment_within(vec3 direction, float angle) {
 vec3 environment_layer(vec2 place, int layer) {
     return textureLod(environment_blurred, vec3(place, float(layer)), 0.0).rgb;
 }
-
-// Which share of the lights taken from the environment a surface of this roughness shows as highlights, which shadows reach: smoother
-// ones mirror the picture itself.
-float highlight_share(float roughness) {
-    return clamp(5.0 * roughness - 1.0, 0.0, 1.0);
-}
 #endif
 
-// What a ray sees that meets nothing.
-vec3 radiance_behind(Pixel_ray ray) {
+// What a ray sees that meets nothing; unlit: without what lights stand for, which bring it where the ray comes from.
+vec3 radiance_behind(Pixel_ray ray, bool unlit) {
 #ifdef ENVIRONMENT
     float size = length_precise(ray.direction);
-    vec3 seen = environment_within(ray.direction / size, ray.width / size);
+    vec3 rest = environment_layer(environment_place(ray.direction / size), 0);
+    vec3 seen = unlit ? rest : environment_within(ray.direction / size, ray.width / size);
     return frame.environment.z > 0.0 ? seen : frame.background.rgb;
 #else
     return frame.background.rgb;

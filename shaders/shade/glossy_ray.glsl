@@ -18,13 +18,28 @@ vec2 place_among(Pixel_square square) {
 #endif
 }
 
-// By which lobes are drawn; below GW_GLOSSY_RAY.
+// By which lobes are drawn; within GW_LOBE_SEED.
 uint lobe_seed(Pixel_square square, uint slot) {
 #ifdef REFLECTED
-    return given_rays[slot * GW_SECONDARY_ROWS + 3u].w & ~GW_GLOSSY_RAY;
+    return given_rays[slot * GW_SECONDARY_ROWS + 3u].w & GW_LOBE_SEED;
 #else
     uvec2 at = uvec2(square.first), among = uvec2(ivec2(round(16.0 * fract(place_among(square))))) & 15u;
-    return (at.x * 0x9e3779b1u + at.y * 0x85ebca77u + among.x * 0xc2b2ae3du + among.y * 0x27d4eb2fu) & ~GW_GLOSSY_RAY;
+    return (at.x * 0x9e3779b1u + at.y * 0x85ebca77u + among.x * 0xc2b2ae3du + among.y * 0x27d4eb2fu) & GW_LOBE_SEED;
+#endif
+}
+
+// Number of the sample of a still view.
+float sample_drawn() {
+    return floor(1.0 / frame.accumulation.z - 0.5);
+}
+
+// Of so rough a lobe a share of the rays sees the environment without the lights taken from it: their highlights show that share.
+bool unlit_lobe(float roughness, uint seed) {
+    precise float place = fract(float(scrambled(seed ^ 0x68bc21ebu) >> 8) * (1.0 / 16777216.0) + sample_drawn() * 0.7548777);
+#ifdef LAMPS_IN_LOBES
+    return false; // the naive variant, for the test that shows why
+#else
+    return place < highlight_share(roughness);
 #endif
 }
 
@@ -35,7 +50,7 @@ vec2 place_in_lobe(Pixel_square square, uint seed) {
 #ifdef REFLECTED
     turned = uvec2(scrambled(seed), scrambled(seed ^ 0x5bd1e995u));
 #endif
-    float drawn = floor(1.0 / frame.accumulation.z - 0.5); // number of the sample of a still view
+    float drawn = sample_drawn();
     precise vec2 moved = vec2(turned >> 8) * (1.0 / 16777216.0) + place_among(square) + drawn * vec2(0.5385969, 0.6287067);
 #ifdef LOBE_MIDDLES
     moved = vec2(0.0); // the naive variant, for the test that shows why

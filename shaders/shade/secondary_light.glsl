@@ -54,16 +54,16 @@ vec3 with_glossy(vec3 lit, Surface surface, vec3 view, uint id, uint asked) {
 #endif
 
 #ifdef TRANSMISSION
-// The light from everywhere, from straight on over a wide cone. Cones see none of what lights stand for: these shine through what
-// lets light through already (shade/shadow_ray.glsl), on what the cone starts from, too.
-vec3 radiance_beyond(vec3 view, bool cone) {
+// The light from everywhere, from straight on over a wide cone; unlit: without what lights stand for. These shine through what lets
+// light through already (shade/shadow_ray.glsl), on what a cone or a rough lobe's ray starts from, too.
+vec3 radiance_beyond(vec3 view, bool unlit) {
     vec3 ambient = frame.ambient.rgb * INVERSE_PI;
 #ifdef ENVIRONMENT
 #ifdef LAMPS_TWICE
-    cone = false; // the naive variant, for the test that shows why
+    unlit = false; // the naive variant, for the test that shows why
 #endif
     vec3 rest = environment_layer(environment_place(-view), 0);
-    precise vec3 sum = ambient + (cone ? rest : environment_within(-view, 0.5));
+    precise vec3 sum = ambient + (unlit ? rest : environment_within(-view, 0.5));
     return frame.environment.z > 0.0 ? sum : ambient;
 #else
     return ambient;
@@ -71,15 +71,15 @@ vec3 radiance_beyond(vec3 view, bool cone) {
 }
 
 // What a surface that lets light through reflects and lets through; for what was not asked for the light from everywhere stands. lit
-// is what the rest of it sends, its part of the light from everywhere included; cone: one has met it.
-vec3 with_transmitted(vec3 lit, Surface surface, vec3 view, Optics optics, uint asked, bool cone) {
+// is what the rest of it sends, its part of the light from everywhere included; unlit: as above.
+vec3 with_transmitted(vec3 lit, Surface surface, vec3 view, Optics optics, uint asked, bool unlit) {
     vec3 around = radiance_around(surface, view);
     uint first = GW_ASKED_FIRST(asked), kinds = GW_ASKED_KINDS(asked);
     bool reflects = (kinds & GW_RAY_REFLECTED) != 0u, refracts = (kinds & GW_RAY_REFRACTED) != 0u;
     vec3 reflected = radiance_of(reflects ? first : 0u).rgb;
     vec3 through = radiance_of(refracts ? first + (reflects ? 1u : 0u) : 0u).rgb;
     reflected = reflects ? reflected : around;
-    through = refracts ? through : radiance_beyond(view, cone);
+    through = refracts ? through : radiance_beyond(view, unlit);
     precise vec3 added = optics.reflectance * reflected - environment_specular(surface, view) * around +
                          (1.0 - optics.reflectance) * optics.share * tint_of(optics, surface.base_color) * through;
     return optics.sheer ? lit + added : lit;

@@ -74,7 +74,7 @@ void main() {
         gloss = glosses.coat;
 #endif
     Secondary_ray from_lobe = glossy_ray(met, normal, gloss, place_in_lobe(square, seed));
-    uint glossy = gloss.share > 0.0 ? GW_GLOSSY_RAY : 0u;
+    uint glossy = gloss.share > 0.0 ? GW_GLOSSY_RAY | (unlit_lobe(gloss.roughness, seed) ? GW_UNLIT_RAY : 0u) : 0u;
     if (glossy != 0u)
         next = from_lobe;
 #endif
@@ -87,6 +87,11 @@ void main() {
     next.part = optics.sheer ? optics.reflectance : next.part;
     if (refracts)
         next = through;
+#if defined(GLOSSY) && defined(REFLECTED)
+    // Lights shine straight through as this ray goes on.
+    if (refracts)
+        glossy = given_rays[(fragment / FRAGMENTS) * GW_SECONDARY_ROWS + 3u].w & GW_UNLIT_RAY;
+#endif
 #endif
 #endif
 #ifdef CONES
@@ -118,7 +123,7 @@ void main() {
     const uvec3 through_what = uvec3(0u);
 #endif
 #ifdef GLOSSY
-    next_rays[row + 3u] = uvec4(through_what, (scrambled(seed) & ~GW_GLOSSY_RAY) | glossy);
+    next_rays[row + 3u] = uvec4(through_what, (scrambled(seed) & GW_LOBE_SEED) | glossy);
 #elif defined(TRANSMISSION)
     next_rays[row + 3u] = uvec4(through_what, 0u);
 #endif

@@ -155,6 +155,10 @@ void main() {
     Pixel_ray ray = ray_of_slot(slot, square);
     vec3 view = -normalize(ray.direction);
     seed_lights(square, ray);
+    bool unlit = IS_CONE(ray);
+#if defined(GLOSSY) && defined(REFLECTED)
+    unlit = unlit || (given_rays[slot * GW_SECONDARY_ROWS + 3u].w & GW_UNLIT_RAY) != 0u;
+#endif
     uint count = GW_STATUS_COUNT(status.x);
     float left = uintBitsToFloat(status.y);
     bool suspended = (status.x & GW_STATUS_SUSPENDED) != 0u;
@@ -248,7 +252,7 @@ void main() {
         lit = with_secondary(lit, rest, view, id, slot * FRAGMENTS + i);
 #endif
 #ifdef TRANSMISSION
-        lit = with_transmitted(lit, surface, view, optics, asked_of[slot * FRAGMENTS + i], IS_CONE(ray));
+        lit = with_transmitted(lit, surface, view, optics, asked_of[slot * FRAGMENTS + i], unlit);
         lit *= left_of_light(media, t * length_precise(ray.direction));
 #ifdef BRINGS_EVERYWHERE
         reflected_everywhere *= left_of_light(media, t * length_precise(ray.direction));
@@ -282,7 +286,7 @@ void main() {
 #if defined(GUIDES) && !defined(SPARSE)
     guides[slot].w = floatBitsToUint(1.0 - left);
 #endif
-    vec3 background = radiance_behind(ray);
+    vec3 background = radiance_behind(ray, unlit);
 #if defined(CONES) && defined(REFLECTED)
     left = open_share(ray, sum, left);
     background = IS_CONE(ray) ? vec3(0.0) : background;

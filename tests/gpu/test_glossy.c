@@ -257,6 +257,65 @@ static void smooth_coats_mirror_sharply(void **state) {
     assert_true(sharp > 0.8 && naive < 0.3);
 }
 
+/* A metal floor under sky and sun, where it mirrors the sun; beneath a sheet of glass of index 1, or in the
+ * open. */
+static double metal_in_sun(int beneath, int with_sun, const char *shaders) {
+    gw_mesh mesh = {0};
+    gw_mesh_add_grid(&mesh, (const double[]){-1, 0, -1}, (const double[]){2, 0, 0}, (const double[]){0, 0, 2},
+                     4, 4);
+    gw_mesh_add_grid(&mesh, (const double[]){-20, beneath ? 1 : -1, -20}, (const double[]){40, 0, 0},
+                     (const double[]){0, 0, 40}, 4, 4);
+    gw_scene *scene = gw_mesh_take(&mesh);
+    scene->materials = realloc(scene->materials, 2 * sizeof *scene->materials);
+    scene->extensions = malloc(2 * sizeof *scene->extensions);
+    assert_true(scene->materials && scene->extensions);
+    scene->material_count = 2;
+    for (int i = 0; i < 2; ++i) {
+        scene->extensions[i] = gw_material_extension_none();
+        scene->materials[i] = (gw_material){.base_color = {0.1f, 0.1f, 0.1f, 1}, .base_color_texture = -1};
+    }
+    scene->materials[FLOOR].metalness = 1;
+    scene->materials[FLOOR].roughness = 0.36f;
+    for (int i = 0; i < 3; ++i) {
+        scene->materials[1].base_color[i] = 1;
+        scene->ambient[i] = scene->background[i] = 0;
+    }
+    scene->extensions[1].transmission = 1;
+    scene->extensions[1].ior = 1;
+    for (uint32_t t = 0; t < scene->triangle_count; ++t) {
+        const float height = scene->positions[3 * (size_t)scene->triangles[t][0] + 1]; /* about the middle */
+        scene->material_of[t] = beneath ? height > 0 : height < 0;
+    }
+    gw_give_sky(scene, with_sun);
+    gw_stage stage;
+    gw_camera camera;
+    check_ok(gw_stage_open(&stage, scene, shaders,
+                           (const char *const[]){"octree_depth=6", "tau_inside=0", "glossy_roughness=0.6",
+                                                 "accumulate=64", NULL},
+                           &error));
+    gw_camera_look(&camera, &stage, (const double[]){-0.8, 0.8, 0}, (const double[]){0, 0, 0}, 40, SIDE);
+    uint8_t *picture = gw_stage_take(&stage, &camera, NULL, NULL);
+    const double light = gw_mean_linear(picture, PIXELS);
+    free(picture);
+    gw_stage_close(&stage);
+    return light;
+}
+
+/* Lights taken from the environment shine through glass, and have their highlights on what is rough: rays of
+ * its lobe that go on through glass must not see them again. */
+static void lobes_see_suns_through_glass_once(void **state) {
+    char folder[512];
+    (void)state;
+    const char *twice = gw_naive_shaders(folder, "lamps-in-lobes", "shade/glossy_ray.glsl", "LAMPS_IN_LOBES");
+    const double sky = metal_in_sun(0, 0, NULL), open = metal_in_sun(0, 1, NULL),
+                 beneath = metal_in_sun(1, 1, NULL), naive = metal_in_sun(1, 1, twice);
+    print_message(
+        "# rough metal under sky %.4f, under sky and sun %.4f, beneath glass %.4f, seen by rays too %.4f\n",
+        sky, open, beneath, naive);
+    assert_true(fabs(beneath - open) < 0.06 * (open - sky));
+    assert_true(naive > open + 0.5 * (open - sky)); /* the naive rule fails */
+}
+
 /* A gaze, voxels, sparse samples: counted, suspended, with all effects and in pieces. */
 static void however_it_is_drawn_pixels_are_the_same(void **state) {
     gw_stage stage;
@@ -317,6 +376,7 @@ int main(void) {
         cmocka_unit_test(coats_reflect_as_they_are_rough),
         cmocka_unit_test(coats_show_lamps_once),
         cmocka_unit_test(smooth_coats_mirror_sharply),
+        cmocka_unit_test(lobes_see_suns_through_glass_once),
         cmocka_unit_test(however_it_is_drawn_pixels_are_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -120,6 +120,9 @@ typedef struct gw_geometry {
     float *depths;  /* [height][width] mm of wall space from the eye */
     float *normals; /* [height][width][3] unit, rebased space */
 } gw_geometry;
+/* All of its arrays, for width x height pixels; finish frees what was made, of zeroed ones nothing. */
+gw_code gw_geometry_create(uint32_t width, uint32_t height, gw_geometry *out, gw_error *error);
+void gw_geometry_finish(gw_geometry *geometry);
 gw_code gw_renderer_geometry(gw_renderer *renderer, const gw_similarity *placement, const gw_plane *plane,
                              const gw_rectangle *rectangle, const gw_frame_state *state,
                              const gw_geometry *out, gw_error *error);

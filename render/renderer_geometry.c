@@ -66,6 +66,24 @@ static void place_chunk(const gw_frame_job *job, const uint32_t *words, size_t b
     }
 }
 
+gw_code gw_geometry_create(uint32_t width, uint32_t height, gw_geometry *out, gw_error *error) {
+    const size_t pixels = (size_t)width * height;
+    *out = (gw_geometry){0};
+    gw_code code = gw_allocate((void **)&out->ids, pixels, sizeof *out->ids, "ids", error);
+    if (!code)
+        code = gw_allocate((void **)&out->depths, pixels, sizeof *out->depths, "depths", error);
+    if (!code)
+        code = gw_allocate((void **)&out->normals, pixels * 3, sizeof *out->normals, "normals", error);
+    return code;
+}
+
+void gw_geometry_finish(gw_geometry *geometry) {
+    free(geometry->ids);
+    free(geometry->depths);
+    free(geometry->normals);
+    *geometry = (gw_geometry){0};
+}
+
 gw_code gw_frame_geometry(gw_frame_job *job, size_t block_count, gw_error *error) {
     gw_renderer *renderer = job->renderer;
     gw_gl_buffer *guides = &renderer->samples.guides;

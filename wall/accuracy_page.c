@@ -117,9 +117,13 @@ static void put_number(FILE *page, double value, const char *format) {
 }
 
 static void put_table(FILE *page, const gw_accuracy_scene *scene, const gw_accuracy_curve *curve) {
-    fputs("<table><tr><th>value</th><th>FLIP</th><th>by itself</th><th>as seen</th><th>PSNR "
-          "dB</th><th>SSIM</th><th>bias</th>"
-          "<th>rays</th><th>loads</th><th>tests</th><th>voxels</th><th>MB</th><th>ms</th><th>predicted</th></"
+    fputs("<table><tr><th>value</th>", page);
+    for (size_t k = 0; k < GW_ACCURACY_COLUMNS; k++)
+        if (gw_accuracy_shows(scene, k))
+            fprintf(page, "<th>%s</th>", gw_accuracy_columns[k].name);
+    fputs("<th>by "
+          "itself</th><th>SSIM</th><th>bias</th><th>rays</th><th>loads</th><th>tests</th><th>voxels</"
+          "th><th>MB</th><th>ms</th><th>predicted</th></"
           "tr>\n",
           page);
     for (size_t i = 0; i < curve->count; i++) {
@@ -128,10 +132,11 @@ static void put_table(FILE *page, const gw_accuracy_scene *scene, const gw_accur
         fprintf(page, "<tr class=\"%s%s\"><td>", row->standing ? "standing " : "", row->front ? "front" : "");
         put_text(page, row->value);
         fputs("</td>", page);
-        put_number(page, p->errors.values[GW_METRIC_FLIP], "%.4f");
+        for (size_t k = 0; k < GW_ACCURACY_COLUMNS; k++)
+            if (gw_accuracy_shows(scene, k))
+                put_number(page, p->errors.values[gw_accuracy_columns[k].metric],
+                           gw_accuracy_columns[k].format);
         put_number(page, p->own, "%.4f");
-        put_number(page, p->errors.values[GW_METRIC_SEEN_FLIP], "%.4f");
-        put_number(page, p->errors.values[GW_METRIC_PSNR], "%.1f");
         put_number(page, p->errors.values[GW_METRIC_SSIM], "%.4f");
         put_number(page, p->errors.values[GW_METRIC_BIAS], "%+.4f");
         put_number(page, p->costs[GW_LEDGER_RAYS], "%.0f");
@@ -269,7 +274,11 @@ gw_code gw_accuracy_page(const gw_accuracy *accuracy, gw_error *error) {
           "approximation. Circles: the front, which no other value of the knob beats in both error and work. "
           "Work: "
           "rays, "
-          "node loads, voxels and triangle tests, added up. As seen: behind the acuity of the viewer.</p>\n",
+          "node loads, voxels and triangle tests, added up. As seen: behind the acuity of the viewer. "
+          "Geometry: hits "
+          "is the share of pixels of which one frame hits and the other does not, depth and normal (degrees) "
+          "the "
+          "95th percentile, edge the Hausdorff distance of the silhouettes.</p>\n",
           page);
     gw_code code = GW_OK;
     for (size_t s = 0; s < accuracy->scene_count && !code; s++)

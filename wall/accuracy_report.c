@@ -10,6 +10,25 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/* --- columns */
+
+const gw_accuracy_column gw_accuracy_columns[GW_ACCURACY_COLUMNS] = {
+    {GW_METRIC_FLIP, "FLIP", "%.4f"},
+    {GW_METRIC_SEEN_FLIP, "as seen", "%.4f"},
+    {GW_METRIC_PSNR, "PSNR dB", "%.2f"},
+    {GW_METRIC_HIT_MISMATCH, "hits", "%.4f"},
+    {GW_METRIC_DEPTH_95, "depth px", "%.2f"},
+    {GW_METRIC_NORMAL_95, "normal", "%.1f"},
+    {GW_METRIC_SILHOUETTE_LARGEST, "edge px", "%.1f"},
+    {GW_METRIC_FLICKER, "flicker", "%.4f"},
+    {GW_METRIC_POP, "pop", "%.4f"},
+};
+
+int gw_accuracy_shows(const gw_accuracy_scene *scene, size_t column) {
+    const gw_metric metric = gw_accuracy_columns[column].metric;
+    return metric < GW_METRIC_FLICKER || isfinite(scene->standing.errors.values[metric]);
+}
+
 /* --- CSV */
 
 static void write_heading(FILE *csv) {
@@ -21,7 +40,7 @@ static void write_heading(FILE *csv) {
           "rays,"
           "refracted_rays,steps,node_loads,triangle_tests,voxels",
           csv);
-    for (size_t i = 0; i < GW_METRIC_FLICKER; i++) /* those of a frame */
+    for (size_t i = 0; i < GW_METRIC_COUNT; i++)
         fprintf(csv, ",%s", gw_metric_table[i].name);
     fputc('\n', csv);
 }
@@ -43,7 +62,7 @@ static void write_row(FILE *csv, const gw_accuracy_scene *scene, const gw_accura
                                c->node_loads,   c->triangle_tests, c->voxels};
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
         fprintf(csv, ",%" PRIu64, counts[i]);
-    for (size_t i = 0; i < GW_METRIC_FLICKER; i++)
+    for (size_t i = 0; i < GW_METRIC_COUNT; i++)
         if (isfinite(p->errors.values[i]))
             fprintf(csv, ",%.6g", p->errors.values[i]);
         else
@@ -154,16 +173,26 @@ gw_code gw_accuracy_write(const gw_accuracy *accuracy, gw_error *error) {
 
 /* --- what is printed */
 
+/* An empty place where it could not be measured. */
+static void print_number(double value, const gw_accuracy_column *column) {
+    char text[32] = "";
+    if (!isnan(value))
+        snprintf(text, sizeof text, column->format, value);
+    printf(" %9s", text);
+}
+
 static void print_curve(const gw_accuracy_scene *scene, const gw_accuracy_curve *curve) {
     if (curve->idle)
         return;
     for (size_t i = 0; i < curve->count; i++) {
         const gw_accuracy_row *row = &scene->rows[curve->first + i];
         const gw_ledger_point *p = &row->point;
-        printf("  %-20s %-12s%c%c %9.4f %9.4f %8.2f %9.0f %9.2f %9.1f\n", i ? "" : curve->knob->name,
-               row->value, row->standing ? '*' : ' ', row->front ? '+' : ' ',
-               p->errors.values[GW_METRIC_FLIP], p->errors.values[GW_METRIC_SEEN_FLIP],
-               p->errors.values[GW_METRIC_PSNR], p->costs[GW_LEDGER_RAYS], p->costs[GW_LEDGER_WORK] * 1e-6,
+        printf("  %-20s %-12s%c%c", i ? "" : curve->knob->name, row->value, row->standing ? '*' : ' ',
+               row->front ? '+' : ' ');
+        for (size_t k = 0; k < GW_ACCURACY_COLUMNS; k++)
+            if (gw_accuracy_shows(scene, k))
+                print_number(p->errors.values[gw_accuracy_columns[k].metric], &gw_accuracy_columns[k]);
+        printf(" %9.0f %9.2f %9.1f\n", p->costs[GW_LEDGER_RAYS], p->costs[GW_LEDGER_WORK] * 1e-6,
                p->costs[GW_LEDGER_MS]);
     }
     if (curve->fault[0])
@@ -178,8 +207,11 @@ static void print_scene(const gw_accuracy *accuracy, const gw_accuracy_scene *sc
         "before; %s time%s.\n",
         scene->path, scene->size[0], scene->size[1], scene->pixels_per_degree, scene->measured, scene->found,
         accuracy->clock, accuracy->counted ? ", counting kernels" : "");
-    printf("  %-20s %-14s %9s %9s %8s %9s %9s %9s   * as it stands, + front\n", "knob", "value", "FLIP",
-           "seen", "PSNR", "rays", "work/M", "ms");
+    printf("  %-20s %-14s", "knob", "value");
+    for (size_t k = 0; k < GW_ACCURACY_COLUMNS; k++)
+        if (gw_accuracy_shows(scene, k))
+            printf(" %9s", gw_accuracy_columns[k].name);
+    printf(" %9s %9s %9s   * as it stands, + front\n", "rays", "work/M", "ms");
     for (size_t c = 0; c < scene->curve_count; c++) {
         print_curve(scene, &scene->curves[c]);
         idle += (size_t)scene->curves[c].idle;

@@ -52,6 +52,19 @@ static gw_code write_triple(const gw_accuracy_scene *scene, const char *folder, 
 
 /* --- the page */
 
+static void put_geometry(FILE *page, const gw_ledger_point *p) {
+    const double *values = p->errors.values;
+    if (!isnan(values[GW_METRIC_HIT_MISMATCH]))
+        fprintf(page, "Geometry: %.2f %% of the pixels hit in one frame only",
+                100 * values[GW_METRIC_HIT_MISMATCH]);
+    if (!isnan(values[GW_METRIC_DEPTH_95]))
+        fprintf(page, "; depth %.2f px and normal %.1f degrees at the 95th percentile",
+                values[GW_METRIC_DEPTH_95], values[GW_METRIC_NORMAL_95]);
+    if (!isnan(values[GW_METRIC_SILHOUETTE_LARGEST]))
+        fprintf(page, "; silhouettes up to %.1f px apart", values[GW_METRIC_SILHOUETTE_LARGEST]);
+    fputs(".\n", page);
+}
+
 static void put_head(FILE *page, const gw_accuracy *accuracy, const gw_accuracy_scene *scene) {
     const gw_ledger_point *p = &scene->standing;
     const char *command = json_string_value(json_object_get(accuracy->bench->report, "command"));
@@ -70,6 +83,7 @@ static void put_head(FILE *page, const gw_accuracy *accuracy, const gw_accuracy_
         p->errors.values[GW_METRIC_FLIP], p->errors.values[GW_METRIC_SEEN_FLIP],
         p->errors.values[GW_METRIC_PSNR], p->errors.values[GW_METRIC_BIAS], p->costs[GW_LEDGER_RAYS],
         p->costs[GW_LEDGER_WORK] * 1e-6, p->costs[GW_LEDGER_MS], accuracy->clock);
+    put_geometry(page, p);
     if (scene->model.samples) {
         gw_cost_describe(&scene->model, model, sizeof model);
         fprintf(page, "Cost model: %s; off by %.0f %% (root mean square).\n", model,
@@ -78,25 +92,51 @@ static void put_head(FILE *page, const gw_accuracy *accuracy, const gw_accuracy_
     fprintf(page, "\n![every knob, one at a time](%s.svg)\n\n", scene->name);
 }
 
-/* "0.1520 .. 0.2369" of one column. */
+static double work_of(const gw_ledger_point *p) {
+    return p->costs[GW_LEDGER_WORK] * 1e-6;
+}
+
+static double ms_of(const gw_ledger_point *p) {
+    return p->costs[GW_LEDGER_MS];
+}
+
+static double megabytes_of(const gw_ledger_point *p) {
+    return (double)p->octree_bytes * 1e-6;
+}
+
+/* "0.1520..0.2369": of a metric, or of a cost (of, not NULL); nothing where none could be measured. */
 static void put_span(FILE *page, const gw_accuracy_scene *scene, const gw_accuracy_curve *curve,
-                     size_t column) {
+                     gw_metric metric, double (*of)(const gw_ledger_point *p), const char *format) {
     double least = INFINITY, most = -INFINITY;
     for (size_t i = 0; i < curve->count; i++) {
         const gw_ledger_point *p = &scene->rows[curve->first + i].point;
-        const double values[] = {p->errors.values[GW_METRIC_FLIP], p->errors.values[GW_METRIC_SEEN_FLIP],
-                                 p->costs[GW_LEDGER_WORK] * 1e-6, p->costs[GW_LEDGER_MS],
-                                 (double)p->octree_bytes * 1e-6};
-        least = fmin(least, values[column]);
-        most = fmax(most, values[column]);
+        const double value = of ? of(p) : p->errors.values[metric];
+        least = fmin(least, value);
+        most = fmax(most, value);
     }
-    const char *format = column < 2 ? " %.4f..%.4f |" : column == 2 ? " %.2f..%.2f |" : " %.0f..%.0f |";
-    fprintf(page, format, least, most);
+    fputc(' ', page);
+    if (least <= most) {
+        fprintf(page, format, least);
+        fputs("..", page);
+        fprintf(page, format, most);
+    }
+    fputs(" |", page);
+}
+
+/* PSNR follows FLIP, and a page is no wider than need be. */
+static int is_shown(const gw_accuracy_scene *scene, size_t column) {
+    return gw_accuracy_columns[column].metric != GW_METRIC_PSNR && gw_accuracy_shows(scene, column);
 }
 
 static void put_knobs(FILE *page, const gw_accuracy_scene *scene) {
-    fputs("| knob | values | FLIP | as seen | work, M | ms | octree, MB |\n|---|---|---|---|---|---|---|\n",
-          page);
+    fputs("| knob | values |", page);
+    for (size_t k = 0; k < GW_ACCURACY_COLUMNS; k++)
+        if (is_shown(scene, k))
+            fprintf(page, " %s |", gw_accuracy_columns[k].name);
+    fputs(" work, M | ms | octree, MB |\n|---|---|", page);
+    for (size_t k = 0; k < GW_ACCURACY_COLUMNS; k++)
+        fputs(is_shown(scene, k) ? "---|" : "", page);
+    fputs("---|---|---|\n", page);
     for (size_t c = 0; c < scene->curve_count; c++) {
         const gw_accuracy_curve *curve = &scene->curves[c];
         if (curve->idle)
@@ -108,8 +148,13 @@ static void put_knobs(FILE *page, const gw_accuracy_scene *scene) {
                     row->standing ? "**" : "");
         }
         fputs(" |", page);
-        for (size_t column = 0; column < 5; column++)
-            put_span(page, scene, curve, column);
+        for (size_t k = 0; k < GW_ACCURACY_COLUMNS; k++)
+            if (is_shown(scene, k))
+                put_span(page, scene, curve, gw_accuracy_columns[k].metric, NULL,
+                         gw_accuracy_columns[k].format);
+        put_span(page, scene, curve, 0, work_of, "%.2f");
+        put_span(page, scene, curve, 0, ms_of, "%.0f");
+        put_span(page, scene, curve, 0, megabytes_of, "%.0f");
         fputc('\n', page);
     }
 }

@@ -14,12 +14,14 @@
 #include <stddef.h>
 #include <stdint.h>
 
+enum { GW_BENCH_BOUNDS = 8 };
+
 typedef struct gw_bench {
     gw_draw_options draw;
     const char *out;  /* folder, or NULL */
     int quick;        /* fewer repeats and rays, for tests */
     uint32_t repeats; /* 0: the bench's own number */
-    uint32_t frames;  /* of benches that follow a camera path; 0: the bench's own number */
+    uint32_t frames;  /* of benches that follow a camera path; 0: the bench's own number, of accuracy one */
     const char *path; /* its name or number; NULL: the scene's first */
     double density;  /* of modes: px a degree at the middle of the path's pictures; 0: the path's own angle */
     int times_only;  /* of modes: no errors, no flicker */
@@ -27,10 +29,12 @@ typedef struct gw_bench {
     uint64_t rays;   /* of precision, in each family; 0: its own number */
     uint32_t size[2]; /* px, of benches that trace a picture; 0: the bench's own */
     size_t knob_count;
-    const char *knobs[64];    /* of accuracy: names; none: all */
-    const char *max_error;    /* of accuracy: "[METRIC=]VALUE", look for the cheapest settings within it */
-    const char *max_cost;     /* or "COST=VALUE": for the best */
-    const char *save_profile; /* file for what was found, or NULL */
+    const char *knobs[64]; /* of accuracy: names; none: all */
+    size_t bound_count;
+    const char *max_errors[GW_BENCH_BOUNDS]; /* of accuracy: "[METRIC=]VALUE", look for the cheapest settings
+                                                within all of them */
+    const char *max_cost;                    /* or "COST=VALUE": for the best */
+    const char *save_profile;                /* file for what was found, or NULL */
     size_t scene_count;
     const char *scenes[64]; /* of benches that take several; none: draw.scene */
     gw_console console;

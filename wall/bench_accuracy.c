@@ -140,8 +140,8 @@ static void describe(gw_accuracy_scene *scene, const gw_ledger *ledger) {
     snprintf(scene->path, sizeof scene->path, "%s", ledger->path ? ledger->path : "demo");
     scene->triangles = imported->triangle_count;
     gw_hash_text(imported->hash, scene->hash);
-    scene->pixels_per_degree =
-        gw_pixels_per_degree(&ledger->view.plane, ledger->gaze_eye, ledger->size[0], ledger->size[1]);
+    scene->pixels_per_degree = gw_pixels_per_degree(&ledger->views[0].view.plane, ledger->views[0].gaze_eye,
+                                                    ledger->size[0], ledger->size[1]);
 }
 
 static gw_code measure_standing(gw_accuracy_scene *scene, gw_ledger *ledger, gw_error *error) {
@@ -152,6 +152,19 @@ static gw_code measure_standing(gw_accuracy_scene *scene, gw_ledger *ledger, gw_
     if (!code)
         gw_ledger_frame_key(ledger, &question.exact, scene->exact_key);
     return code;
+}
+
+static gw_code measure_choice(void *context, const gw_settings *settings, gw_ledger_point *out,
+                              gw_error *error) {
+    gw_ledger *ledger = context;
+    gw_ledger_question question = {.frame = {.settings = *settings}};
+    gw_code code = gw_ledger_exact(&ledger->bench->draw.settings, NULL, &question.exact, error);
+    return code ? code : gw_ledger_measure(ledger, &question, out, error);
+}
+
+static gw_code search_scene(gw_accuracy_scene *scene, gw_ledger *ledger, gw_error *error) {
+    const gw_accuracy_instrument instrument = {measure_choice, ledger};
+    return gw_accuracy_search(scene, ledger->bench, &instrument, error);
 }
 
 static gw_code measure_scene(gw_accuracy *accuracy, gw_accuracy_scene *scene, const char *path, double begin,
@@ -176,8 +189,8 @@ static gw_code measure_scene(gw_accuracy *accuracy, gw_accuracy_scene *scene, co
         gw_accuracy_mark_fronts(scene);
         fit_model(scene);
     }
-    if (!code && (bench->max_error || bench->max_cost))
-        code = gw_accuracy_search(scene, &ledger, error);
+    if (!code && (bench->bound_count || bench->max_cost))
+        code = search_scene(scene, &ledger, error);
     scene->measured = ledger.measured;
     scene->found = ledger.found;
     gw_ledger_close(&ledger);
@@ -215,6 +228,8 @@ static void finish(gw_accuracy *accuracy) {
 
 static gw_code tell(const gw_accuracy *accuracy, gw_error *error) {
     gw_code code = gw_accuracy_write(accuracy, error);
+    if (!code && accuracy->bench->out)
+        code = gw_accuracy_digest(accuracy, error);
     return code || !accuracy->bench->out ? code : gw_accuracy_page(accuracy, error);
 }
 

@@ -1,6 +1,6 @@
 /* What the parts of `bench accuracy` share: sweeping (bench_accuracy.c), judging (accuracy_judge.c),
  * searching (accuracy_search.c) and telling (accuracy_report.c, accuracy_plot.c, accuracy_page.c,
- * accuracy_sheet.c). */
+ * accuracy_sheet.c, accuracy_digest.c). */
 #ifndef GW_WALL_BENCH_ACCURACY_H
 #define GW_WALL_BENCH_ACCURACY_H
 
@@ -70,18 +70,39 @@ void gw_accuracy_sentence(const gw_accuracy_scene *scene, const gw_accuracy_curv
 
 /* --- accuracy_search.c */
 
-/* Whether bench->max_error, max_cost and save_profile make a goal. */
-gw_code gw_accuracy_check_goal(const gw_bench *bench, gw_error *error);
-/* The cheapest settings within bench->max_error, or the best within bench->max_cost; writes
- * bench->save_profile. */
-gw_code gw_accuracy_search(gw_accuracy_scene *scene, gw_ledger *ledger, gw_error *error);
+/* What measures a choice of settings against the exact frame. */
+typedef struct gw_accuracy_instrument {
+    gw_code (*measure)(void *context, const gw_settings *settings, gw_ledger_point *out, gw_error *error);
+    void *context;
+} gw_accuracy_instrument;
 
-/* --- accuracy_report.c, accuracy_sheet.c, accuracy_page.c, accuracy_plot.c */
+/* Whether bench->max_errors, max_cost and save_profile make a goal. */
+gw_code gw_accuracy_check_goal(const gw_bench *bench, gw_error *error);
+/* The cheapest settings within bench->max_errors, or the best within bench->max_cost, never worse than a
+ * value of one knob that was swept, nor, where they are within the bound, than the exact settings; writes
+ * bench->save_profile. */
+gw_code gw_accuracy_search(gw_accuracy_scene *scene, const gw_bench *bench,
+                           const gw_accuracy_instrument *instrument, gw_error *error);
+
+/* --- accuracy_report.c, accuracy_sheet.c, accuracy_digest.c, accuracy_page.c, accuracy_plot.c */
+
+/* The errors that tables show, in their order; files have all. */
+typedef struct gw_accuracy_column {
+    gw_metric metric;
+    const char *name, *format;
+} gw_accuracy_column;
+enum { GW_ACCURACY_COLUMNS = 9 };
+extern const gw_accuracy_column gw_accuracy_columns[GW_ACCURACY_COLUMNS];
+/* 0: of frames in a row, and there were none. */
+int gw_accuracy_shows(const gw_accuracy_scene *scene, size_t column);
 
 /* CSV, JSON, plots. */
 gw_code gw_accuracy_write(const gw_accuracy *accuracy, gw_error *error);
 /* A page of Markdown and a picture of one scene, into its folder. */
 gw_code gw_accuracy_sheet(const gw_accuracy *accuracy, const gw_accuracy_scene *scene, gw_error *error);
+/* FOLDER/accuracy.md: what each knob costs, in a sentence, and its model beside what was measured, over all
+ * scenes. */
+gw_code gw_accuracy_digest(const gw_accuracy *accuracy, gw_error *error);
 gw_code gw_accuracy_page(const gw_accuracy *accuracy, gw_error *error);
 void gw_accuracy_print(const gw_accuracy *accuracy);
 

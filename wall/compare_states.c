@@ -1,7 +1,6 @@
 /* See compare.h: frame by frame, each drawn as it was recorded and once more, exact. */
 #include "wall/compare.h"
 
-#include "base/memory.h"
 #include "render/camera.h"
 #include "render/predicted_error.h"
 #include "render/vector3.h"
@@ -12,7 +11,6 @@
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* One of the two frames that are compared. */
@@ -34,22 +32,13 @@ typedef struct run {
 } run;
 
 static gw_code make_frame(drawn *frame, const gw_rectangle *all, gw_error *error) {
-    const size_t pixels = (size_t)all->width * all->height;
     gw_code code = gw_image_create(all->width, all->height, &frame->picture, error);
-    if (!code)
-        code = gw_allocate((void **)&frame->geometry.ids, pixels, sizeof(uint32_t), "ids", error);
-    if (!code)
-        code = gw_allocate((void **)&frame->geometry.depths, pixels, sizeof(float), "depths", error);
-    if (!code)
-        code = gw_allocate((void **)&frame->geometry.normals, pixels * 3, sizeof(float), "normals", error);
-    return code;
+    return code ? code : gw_geometry_create(all->width, all->height, &frame->geometry, error);
 }
 
 static void finish_frame(drawn *frame) {
     gw_image_finish(&frame->picture);
-    free(frame->geometry.ids);
-    free(frame->geometry.depths);
-    free(frame->geometry.normals);
+    gw_geometry_finish(&frame->geometry);
 }
 
 static gw_metric_frame frame_of(const drawn *frame) {

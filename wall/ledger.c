@@ -22,39 +22,42 @@
 #include <string.h>
 
 /* A change of what points hold, or of the view, gets another number. */
-enum { LEDGER_VERSION = 1, MOST_REPEATS = 64 };
+enum { LEDGER_VERSION = 2, MOST_REPEATS = 64 };
 
 /* The viewer stands before this place of the picture, so many of its widths away: shares. */
 static const double gaze_place[2] = {0.2, 0.5}, gaze_distance = 0.25;
+/* From moment to moment the eye of a wall's view goes so far along it, mm: 1 m/s at 60 frames a second. */
+static const double walk = 1000.0 / 60;
 
 const char *const gw_ledger_cost_names[GW_LEDGER_COSTS] = {"work", "rays", "ms", "bytes", "build_tests"};
 
 /* --- the view */
 
-static void place_viewer(gw_ledger *ledger) {
-    const gw_bench_view *view = &ledger->view;
-    const double *right = view->plane.step_x, *down = view->plane.step_y;
+static void place_viewer(const gw_ledger *ledger, gw_ledger_view *out) {
+    const double *right = out->view.plane.step_x, *down = out->view.plane.step_y;
     double towards[3] = {down[1] * right[2] - down[2] * right[1], down[2] * right[0] - down[0] * right[2],
                          down[0] * right[1] - down[1] * right[0]};
     const double away =
         gaze_distance * ledger->size[0] * sqrt(gw_dot(right, right)) / sqrt(gw_dot(towards, towards));
     for (int k = 0; k < 3; k++) {
-        ledger->gaze_at[k] = view->plane.corner[k] + gaze_place[0] * ledger->size[0] * right[k] +
-                             gaze_place[1] * ledger->size[1] * down[k];
-        ledger->gaze_eye[k] = ledger->gaze_at[k] + towards[k] * away;
+        out->gaze_at[k] = out->view.plane.corner[k] + gaze_place[0] * ledger->size[0] * right[k] +
+                          gaze_place[1] * ledger->size[1] * down[k];
+        out->gaze_eye[k] = out->gaze_at[k] + towards[k] * away;
     }
 }
 
 static double pixels_per_degree(const gw_ledger *ledger) {
-    return gw_pixels_per_degree(&ledger->view.plane, ledger->gaze_eye, ledger->size[0], ledger->size[1]);
+    const gw_ledger_view *still = &ledger->views[0];
+    return gw_pixels_per_degree(&still->view.plane, still->gaze_eye, ledger->size[0], ledger->size[1]);
 }
 
 static gw_frame_state state_of(const gw_ledger *ledger, const gw_ledger_frame *frame) {
     const gw_draw_options *draw = &ledger->bench->draw;
+    const gw_ledger_view *seen = &ledger->views[frame->moment];
     gw_frame_state state;
-    gw_frame_begin(&state, 0, &frame->settings, draw->seed, GW_DEBUG_NONE);
-    gw_frame_stare(&state, ledger->gaze_eye, frame->exact ? NULL : ledger->gaze_at, &frame->settings);
-    memcpy(state.eye, ledger->view.eye, sizeof state.eye);
+    gw_frame_begin(&state, frame->moment, &frame->settings, draw->seed, GW_DEBUG_NONE);
+    gw_frame_stare(&state, seen->gaze_eye, frame->exact ? NULL : seen->gaze_at, &frame->settings);
+    memcpy(state.eye, seen->view.eye, sizeof state.eye);
     state.gazes[0].age = frame->exact ? 0 : (float)frame->age;
     state.time = (int64_t)(draw->time * 1e9);
     return state;
@@ -102,10 +105,35 @@ static gw_code open_renderer(const gw_ledger *ledger, int count, gw_renderer **o
                 : gw_renderer_create(model->device, model->scene, model->octree, &options, out, error);
 }
 
-static gw_code draw(const gw_ledger *ledger, gw_renderer *renderer, const gw_frame_state *state,
-                    gw_image *out, gw_counters *counters, gw_error *error) {
-    return gw_renderer_frame(renderer, &ledger->view.placement, &ledger->view.plane, &ledger->view.rectangle,
-                             state, out->rgba, counters, error);
+/* state: of that moment. */
+static gw_code draw(const gw_ledger *ledger, gw_renderer *renderer, uint32_t moment,
+                    const gw_frame_state *state, gw_image *out, gw_counters *counters, gw_error *error) {
+    const gw_bench_view *view = &ledger->views[moment].view;
+    return gw_renderer_frame(renderer, &view->placement, &view->plane, &view->rectangle, state, out->rgba,
+                             counters, error);
+}
+
+/* Of the frame's octree and settings. */
+static gw_code draw_frame(gw_ledger *ledger, const gw_ledger_frame *frame, gw_image *out,
+                          gw_counters *counters, gw_error *error) {
+    const gw_frame_state state = state_of(ledger, frame);
+    gw_code code = open_octree(ledger, &frame->settings, error);
+    if (!code)
+        code = open_renderer(ledger, 1, &ledger->counting, error);
+    return code ? code : draw(ledger, ledger->counting, frame->moment, &state, out, counters, error);
+}
+
+/* What the rays of a still frame meet. */
+static gw_code trace_frame(gw_ledger *ledger, const gw_ledger_frame *frame, const gw_geometry *out,
+                           gw_error *error) {
+    const gw_bench_view *view = &ledger->views[0].view;
+    const gw_frame_state state = state_of(ledger, frame);
+    gw_code code = open_octree(ledger, &frame->settings, error);
+    if (!code)
+        code = open_renderer(ledger, 1, &ledger->counting, error);
+    return code ? code
+                : gw_renderer_geometry(ledger->counting, &view->placement, &view->plane, &view->rectangle,
+                                       &state, out, error);
 }
 
 /* The eye moves by less than any float can tell, so that no frame is a still view's. */
@@ -118,11 +146,11 @@ static gw_code time_frame(gw_ledger *ledger, gw_frame_state state, gw_ledger_poi
     if (!code)
         code = gw_image_create(ledger->size[0], ledger->size[1], &scratch, error);
     if (!code) /* kernels are compiled, as special as they become */
-        code = draw(ledger, *renderer, &state, &scratch, NULL, error);
+        code = draw(ledger, *renderer, 0, &state, &scratch, NULL, error);
     for (uint32_t i = 0; i < ledger->repeats && !code; i++) {
         state.eye[0] += 1e-9 * fmax(fabs(state.eye[0]), 1);
         const int64_t begin = ledger->by_processor ? gw_processor_ns() : gw_now_ns();
-        code = draw(ledger, *renderer, &state, &scratch, NULL, error);
+        code = draw(ledger, *renderer, 0, &state, &scratch, NULL, error);
         ms[i] = (double)((ledger->by_processor ? gw_processor_ns() : gw_now_ns()) - begin) * 1e-6;
     }
     gw_image_finish(&scratch);
@@ -158,7 +186,7 @@ static gw_code write_pictures(const gw_ledger *ledger, const char *key, gw_error
     double mean;
     if (!ledger->folder)
         return GW_OK;
-    gw_code code = gw_heat_picture(&ledger->exact.image, &ledger->picture, pixels_per_degree(ledger),
+    gw_code code = gw_heat_picture(&ledger->exact[0].image, &ledger->picture, pixels_per_degree(ledger),
                                    &difference, &mean, error);
     if (!code)
         code = write_picture(ledger, key, 0, &ledger->picture, error);
@@ -203,13 +231,8 @@ static gw_code take_slot(gw_ledger *ledger, const gw_ledger_frame *frame, gw_led
         gw_image_finish(&slot->image);
         slot->image = read;
     } else {
-        const gw_frame_state state = state_of(ledger, frame);
         gw_image_finish(&read);
-        code = open_octree(ledger, &frame->settings, error);
-        if (!code)
-            code = open_renderer(ledger, 1, &ledger->counting, error);
-        if (!code)
-            code = draw(ledger, ledger->counting, &state, &slot->image, NULL, error);
+        code = draw_frame(ledger, frame, &slot->image, NULL, error);
         if (!code)
             code = write_picture(ledger, key, 0, &slot->image, error);
     }
@@ -222,18 +245,59 @@ static gw_code take_slot(gw_ledger *ledger, const gw_ledger_frame *frame, gw_led
 /* --- points */
 
 /* Viewers are those of the ledger's own settings, whatever is tried. */
-static gw_code compare(gw_ledger *ledger, gw_metrics *out, gw_error *error) {
-    const gw_ledger_frame judge = {.settings = ledger->bench->draw.settings};
+static gw_code judge_of(const gw_ledger *ledger, uint32_t moment, gw_frame_block *block, gw_error *error) {
+    const gw_ledger_frame judge = {.settings = ledger->bench->draw.settings, .moment = moment};
     const gw_frame_state state = state_of(ledger, &judge);
     const gw_model *model = &ledger->bench->model;
+    const gw_bench_view *view = &ledger->views[moment].view;
+    return gw_frame_block_fill(model->scene, model->octree, &view->placement, &view->plane, &state, block,
+                               NULL, error);
+}
+
+static gw_metric_frame compared(const gw_ledger *ledger, const gw_image *picture,
+                                const gw_geometry *geometry) {
+    return (gw_metric_frame){.width = ledger->size[0],
+                             .height = ledger->size[1],
+                             .picture = picture,
+                             .ids = geometry ? geometry->ids : NULL,
+                             .depths = geometry ? geometry->depths : NULL,
+                             .normals = geometry ? geometry->normals : NULL};
+}
+
+static gw_code compare(const gw_ledger *ledger, gw_metrics *out, gw_error *error) {
     gw_frame_block block;
-    gw_code code = gw_frame_block_fill(model->scene, model->octree, &ledger->view.placement,
-                                       &ledger->view.plane, &state, &block, NULL, error);
     const gw_metric_view view = {.pixels_per_degree = pixels_per_degree(ledger), .block = &block};
-    const gw_metric_frame frames[2] = {
-        {.width = ledger->size[0], .height = ledger->size[1], .picture = &ledger->exact.image},
-        {.width = ledger->size[0], .height = ledger->size[1], .picture = &ledger->picture}};
-    return code ? code : gw_metrics_compare(&frames[0], &frames[1], &view, out, error);
+    const gw_metric_frame reference = compared(ledger, &ledger->exact[0].image, &ledger->exact_geometry),
+                          test = compared(ledger, &ledger->picture, &ledger->geometry);
+    gw_code code = judge_of(ledger, 0, &block, error);
+    return code ? code : gw_metrics_compare(&reference, &test, &view, out, error);
+}
+
+/* What the frames of all moments in their order change that the exact ones do not. */
+static gw_code compare_track(gw_ledger *ledger, const gw_ledger_question *question, gw_metrics *out,
+                             gw_error *error) {
+    gw_metric_track track = {0};
+    gw_metrics all;
+    gw_code code = GW_OK;
+    for (uint32_t moment = 0; moment < ledger->moments && !code; moment++) {
+        gw_ledger_frame frame = question->frame;
+        gw_frame_block block;
+        const gw_metric_view view = {.pixels_per_degree = pixels_per_degree(ledger), .block = &block};
+        const gw_metric_frame reference = compared(ledger, &ledger->exact[moment].image, NULL),
+                              test = compared(ledger, moment ? &ledger->moving : &ledger->picture, NULL);
+        frame.moment = moment;
+        if (moment)
+            code = draw_frame(ledger, &frame, &ledger->moving, NULL, error);
+        if (!code)
+            code = judge_of(ledger, moment, &block, error);
+        if (!code)
+            code = gw_metric_track_add(&track, &reference, &test, &view, NULL, error);
+    }
+    gw_metric_track_of(&track, &all);
+    gw_metric_track_finish(&track);
+    for (size_t i = GW_METRIC_FLICKER; i < GW_METRIC_COUNT && !code; i++)
+        out->values[i] = all.values[i];
+    return code;
 }
 
 static void count_costs(const gw_ledger *ledger, gw_ledger_point *point) {
@@ -260,18 +324,19 @@ static gw_code compare_own(gw_ledger *ledger, const gw_ledger_question *question
 static gw_code measure(gw_ledger *ledger, const gw_ledger_question *question, gw_ledger_point *point,
                        gw_error *error) {
     const gw_frame_state state = state_of(ledger, &question->frame);
-    gw_predicted_error predicted = {0};
-    gw_code code = open_octree(ledger, &question->frame.settings, error);
-    if (!code)
-        code = open_renderer(ledger, 1, &ledger->counting, error);
-    if (!code)
-        code = draw(ledger, ledger->counting, &state, &ledger->picture, &point->counters, error);
+    const gw_bench_view *view = &ledger->views[0].view;
     const gw_model *model = &ledger->bench->model;
+    gw_predicted_error predicted = {0};
+    gw_code code = draw_frame(ledger, &question->frame, &ledger->picture, &point->counters, error);
     if (!code)
-        code = gw_predict_error(model->scene, model->octree, &ledger->view.placement, &ledger->view.plane,
-                                &ledger->view.rectangle, &state, &predicted, error);
+        code = trace_frame(ledger, &question->frame, &ledger->geometry, error);
+    if (!code)
+        code = gw_predict_error(model->scene, model->octree, &view->placement, &view->plane, &view->rectangle,
+                                &state, &predicted, error);
     if (!code)
         code = compare(ledger, &point->errors, error);
+    if (!code && ledger->moments > 1)
+        code = compare_track(ledger, question, &point->errors, error);
     if (!code)
         code = compare_own(ledger, question, &point->own, error);
     if (!code)
@@ -282,6 +347,23 @@ static gw_code measure(gw_ledger *ledger, const gw_ledger_question *question, gw
     point->worst = gw_predicted_error_worst(&predicted);
     count_costs(ledger, point);
     return write_pictures(ledger, point->key, error);
+}
+
+/* The exact frame of every moment, and what it meets in the still one. */
+static gw_code take_exact(gw_ledger *ledger, const gw_ledger_frame *exact, gw_error *error) {
+    gw_ledger_frame frame = *exact;
+    gw_code code = GW_OK;
+    char key[33];
+    for (; frame.moment < ledger->moments && !code; frame.moment++)
+        code = take_slot(ledger, &frame, &ledger->exact[frame.moment], error);
+    gw_ledger_frame_key(ledger, exact, key);
+    if (code || !strcmp(key, ledger->exact_geometry_key))
+        return code;
+    ledger->exact_geometry_key[0] = '\0';
+    code = trace_frame(ledger, exact, &ledger->exact_geometry, error);
+    if (!code)
+        memcpy(ledger->exact_geometry_key, key, sizeof key);
+    return code;
 }
 
 gw_code gw_ledger_measure(gw_ledger *ledger, const gw_ledger_question *question, gw_ledger_point *out,
@@ -296,7 +378,7 @@ gw_code gw_ledger_measure(gw_ledger *ledger, const gw_ledger_question *question,
     }
     *out = (gw_ledger_point){0};
     memcpy(out->key, key, sizeof key);
-    gw_code code = take_slot(ledger, &question->exact, &ledger->exact, error);
+    gw_code code = take_exact(ledger, &question->exact, error);
     if (!code && question->own)
         code = take_slot(ledger, question->own, &ledger->own, error);
     if (!code)
@@ -329,6 +411,7 @@ gw_code gw_ledger_exact(const gw_settings *settings, const gw_knob *swept, gw_le
 
 static gw_code identify(gw_ledger *ledger, gw_error *error) {
     const gw_bench *bench = ledger->bench;
+    const gw_ledger_view *still = &ledger->views[0];
     const struct {
         gw_hash scene;
         uint32_t version, octree, size[2], seed, reserved;
@@ -343,18 +426,24 @@ static gw_code identify(gw_ledger *ledger, gw_error *error) {
              .seed = bench->draw.seed,
              .forced = bench->draw.force_effects,
              .forbidden = bench->draw.forbid_effects,
-             .eye = {ledger->view.eye[0], ledger->view.eye[1], ledger->view.eye[2]},
-             .gaze_eye = {ledger->gaze_eye[0], ledger->gaze_eye[1], ledger->gaze_eye[2]},
-             .gaze_at = {ledger->gaze_at[0], ledger->gaze_at[1], ledger->gaze_at[2]},
+             .eye = {still->view.eye[0], still->view.eye[1], still->view.eye[2]},
+             .gaze_eye = {still->gaze_eye[0], still->gaze_eye[1], still->gaze_eye[2]},
+             .gaze_at = {still->gaze_at[0], still->gaze_at[1], still->gaze_at[2]},
              .time = bench->draw.time,
-             .plane = ledger->view.plane,
-             .placement = ledger->view.placement};
+             .plane = still->view.plane,
+             .placement = still->view.placement};
     const char *device = gw_gl_limits_of(bench->model.device)->renderer;
     gw_code code = gw_ledger_hash_shaders(bench->draw.shaders, &ledger->identity, error);
     ledger->identity = gw_hash_bytes(ledger->identity, &all, sizeof all);
     ledger->identity = gw_hash_bytes(ledger->identity, GW_VERSION, sizeof GW_VERSION);
     ledger->identity = gw_hash_bytes(ledger->identity, device, strlen(device));
     return code;
+}
+
+static void step_aside(gw_bench_view *view, double distance) {
+    const double *right = view->plane.step_x, pitch = sqrt(gw_dot(right, right));
+    for (int k = 0; k < 3; k++)
+        view->eye[k] += distance * right[k] / pitch;
 }
 
 static gw_code open_view(gw_ledger *ledger, gw_error *error) {
@@ -366,11 +455,29 @@ static gw_code open_view(gw_ledger *ledger, gw_error *error) {
     }
     memcpy(ledger->size, bench->size, sizeof ledger->size);
     gw_code code = gw_bench_path_open(bench, ledger->size[0], &along, error);
-    if (!code)
-        code = gw_bench_view_at(&along, along.path ? GW_PATH_FRAMES / 2 : 0, &ledger->view, error);
-    if (!code)
-        place_viewer(ledger);
+    for (uint32_t moment = 0; moment < ledger->moments && !code; moment++) {
+        gw_ledger_view *out = &ledger->views[moment];
+        code = gw_bench_view_at(&along, along.path ? GW_PATH_FRAMES / 2 + moment : 0, &out->view, error);
+        if (!code)
+            place_viewer(ledger, out);
+        if (!code && !along.path)
+            step_aside(&out->view, moment * walk);
+    }
     return code;
+}
+
+static gw_code open_frames(gw_ledger *ledger, gw_error *error) {
+    const uint32_t width = ledger->size[0], height = ledger->size[1];
+    gw_code code = gw_image_create(width, height, &ledger->own.image, error);
+    for (uint32_t moment = 0; moment < ledger->moments && !code; moment++)
+        code = gw_image_create(width, height, &ledger->exact[moment].image, error);
+    if (!code)
+        code = gw_image_create(width, height, &ledger->picture, error);
+    if (!code)
+        code = gw_image_create(width, height, &ledger->moving, error);
+    if (!code)
+        code = gw_geometry_create(width, height, &ledger->geometry, error);
+    return code ? code : gw_geometry_create(width, height, &ledger->exact_geometry, error);
 }
 
 gw_code gw_ledger_open(gw_ledger *ledger, gw_bench *bench, const char *path, const char *name,
@@ -380,6 +487,7 @@ gw_code gw_ledger_open(gw_ledger *ledger, gw_bench *bench, const char *path, con
                           .repeats = bench->repeats ? bench->repeats
                                      : bench->quick ? 1
                                                     : 3,
+                          .moments = bench->frames ? bench->frames : 1,
                           .by_processor = gw_gl_limits_of(bench->model.device)->software,
                           .built = bench->draw.settings};
     snprintf(ledger->name, sizeof ledger->name, "%s", name);
@@ -397,20 +505,20 @@ gw_code gw_ledger_open(gw_ledger *ledger, gw_bench *bench, const char *path, con
     if (!code && ledger->folder)
         code = gw_make_directories(ledger->folder, error);
     if (!code)
-        code = gw_image_create(ledger->size[0], ledger->size[1], &ledger->exact.image, error);
-    if (!code)
-        code = gw_image_create(ledger->size[0], ledger->size[1], &ledger->own.image, error);
-    if (!code)
-        code = gw_image_create(ledger->size[0], ledger->size[1], &ledger->picture, error);
+        code = open_frames(ledger, error);
     return code ? code : gw_ledger_load(ledger, error);
 }
 
 void gw_ledger_close(gw_ledger *ledger) {
     gw_renderer_destroy(&ledger->counting);
     gw_renderer_destroy(&ledger->timed);
-    gw_image_finish(&ledger->exact.image);
+    for (uint32_t moment = 0; moment < ledger->moments; moment++)
+        gw_image_finish(&ledger->exact[moment].image);
     gw_image_finish(&ledger->own.image);
     gw_image_finish(&ledger->picture);
+    gw_image_finish(&ledger->moving);
+    gw_geometry_finish(&ledger->geometry);
+    gw_geometry_finish(&ledger->exact_geometry);
     free(ledger->known);
     free(ledger->folder);
     if (ledger->bench)

@@ -4,7 +4,8 @@
  * depends on (scene, view, settings, shaders, version), kept with its pictures in a folder of the scene's own
  * as soon as it is measured, and never measured twice: a run that was ended goes on where it was. The view is
  * that of a viewer who stands near a wide wall and looks near its left end, so that the frame has all that a
- * gaze brings. One thread, the device's. */
+ * gaze brings. Geometry (hits, depths, normals, silhouettes) is compared in it, too; flicker over several
+ * views in a row, if bench->frames says so. One thread, the device's. */
 #ifndef GW_WALL_LEDGER_H
 #define GW_WALL_LEDGER_H
 
@@ -15,6 +16,8 @@
 #include <jansson.h>
 #include <stddef.h>
 #include <stdint.h>
+
+enum { GW_LEDGER_MOMENTS = 64 };
 
 /* Deterministic costs, all doubles so that tables, files and searches treat them alike. */
 typedef enum gw_ledger_cost {
@@ -38,11 +41,12 @@ typedef struct gw_ledger_point {
     uint64_t octree_bytes, nodes, pairs;
 } gw_ledger_point;
 
-/* Everything that names a frame of the ledger beside scene and view. */
+/* Everything that names a frame of the ledger beside scene and views. */
 typedef struct gw_ledger_frame {
     gw_settings settings;
-    double age; /* s, of the gaze */
-    int exact;  /* 1: nobody looks: sharp everywhere */
+    double age;      /* s, of the gaze */
+    int exact;       /* 1: nobody looks: sharp everywhere */
+    uint32_t moment; /* of the views; 0: the still one that errors are told of */
 } gw_ledger_frame;
 
 /* A picture of which frame. */
@@ -50,6 +54,12 @@ typedef struct gw_ledger_slot {
     gw_image image;
     char key[33]; /* "": none yet */
 } gw_ledger_slot;
+
+/* What is seen in a moment, and by whom. */
+typedef struct gw_ledger_view {
+    gw_bench_view view;
+    double gaze_eye[3], gaze_at[3]; /* mm */
+} gw_ledger_view;
 
 /* A frame, and what it is compared with. */
 typedef struct gw_ledger_question {
@@ -62,16 +72,18 @@ typedef struct gw_ledger {
     const char *path; /* of the scene, NULL: the demo */
     char name[64];    /* of its folder */
     char *folder;     /* owned; NULL: nothing is kept */
-    gw_bench_view view;
-    double gaze_eye[3], gaze_at[3]; /* mm */
+    gw_ledger_view views[GW_LEDGER_MOMENTS];
+    uint32_t moments; /* at least 1; more: flicker is told, too */
     uint32_t size[2], repeats;
     int by_processor;  /* 1: times are the process's: software GL runs there */
     gw_hash identity;  /* of scene, view and program */
     gw_settings built; /* what the open octree was built with */
     gw_renderer *counting, *timed;
-    gw_ledger_slot exact, own; /* what frames are compared with */
-    gw_image picture;
-    gw_ledger_point *known; /* measured so far */
+    gw_ledger_slot exact[GW_LEDGER_MOMENTS], own; /* what frames are compared with */
+    gw_geometry exact_geometry, geometry;
+    char exact_geometry_key[33]; /* "": none yet */
+    gw_image picture, moving;    /* of the still view, and of later moments */
+    gw_ledger_point *known;      /* measured so far */
     size_t known_count, known_capacity;
     int torn;               /* the file of points ends in the middle of a line */
     size_t measured, found; /* in this run; of earlier ones */

@@ -72,7 +72,8 @@ static gw_hash hash_frame(gw_hash hash, const gw_ledger_frame *frame) {
         hash = gw_hash_bytes(hash, text, sizeof text);
     }
     hash = gw_hash_bytes(hash, &frame->age, sizeof frame->age);
-    return gw_hash_bytes(hash, &frame->exact, sizeof frame->exact);
+    hash = gw_hash_bytes(hash, &frame->exact, sizeof frame->exact);
+    return gw_hash_bytes(hash, &frame->moment, sizeof frame->moment);
 }
 
 void gw_ledger_frame_key(const gw_ledger *ledger, const gw_ledger_frame *frame, char key[33]) {
@@ -80,7 +81,8 @@ void gw_ledger_frame_key(const gw_ledger *ledger, const gw_ledger_frame *frame, 
 }
 
 void gw_ledger_key(const gw_ledger *ledger, const gw_ledger_question *question, char key[33]) {
-    gw_hash hash = hash_frame(hash_frame(ledger->identity, &question->frame), &question->exact);
+    gw_hash hash = gw_hash_bytes(ledger->identity, &ledger->moments, sizeof ledger->moments);
+    hash = hash_frame(hash_frame(hash, &question->frame), &question->exact);
     gw_hash_text(question->own ? hash_frame(hash, question->own) : hash, key);
 }
 

@@ -94,13 +94,16 @@ static const struct argp_option options_table[] = {
     {"times-only", KEY_TIMES_ONLY, NULL, 0,
      "modes: leaves out errors and flicker, which take most of the bench's time", 1},
     {"frames", KEY_FRAMES, "N", 0,
-     "1 to 64, default 4 (quick 2): pairs of frames on that path; frames of aliasing, default 12 (quick 3)",
+     "1 to 64, default 4 (quick 2): pairs of frames on that path; frames of aliasing, default 12 (quick 3). "
+     "accuracy: frames in a row on that path, or of a walk along the wall, for flicker and popping too; N of "
+     "them take N times as long; default 1: none",
      1},
     {"knob", KEY_KNOB, "NAME", 0, "accuracy: measures only this setting; may be repeated", 1},
     {"max-error", KEY_MAX_ERROR, "METRIC=E", 0,
-     "accuracy: looks for the cheapest settings whose error by a metric (flip, seen_flip, ...; "
-     "docs/metrics.md) "
-     "is at most E; E alone: seen_flip",
+     "accuracy: looks for the cheapest settings whose error by a metric (flip, seen_flip, depth_95, ...; "
+     "docs/metrics.md) is at most E; E alone: seen_flip. May be repeated: all must hold. Those of time "
+     "(flicker, "
+     "pop, ...) need --frames",
      1},
     {"max-cost", KEY_MAX_COST, "COST=N", 0,
      "accuracy: looks for the settings of least seen_flip that cost at most N: work, rays, ms or bytes", 1},
@@ -123,6 +126,13 @@ static gw_code add_knob(gw_bench *bench, const char *name, gw_error *error) {
     if (bench->knob_count == most)
         return gw_fail(error, GW_BAD_INPUT, "--knob: %zu are the most; without any, all are measured", most);
     bench->knobs[bench->knob_count++] = name;
+    return GW_OK;
+}
+
+static gw_code add_bound(gw_bench *bench, const char *text, gw_error *error) {
+    if (bench->bound_count == GW_BENCH_BOUNDS)
+        return gw_fail(error, GW_BAD_INPUT, "--max-error: %d bounds are the most", GW_BENCH_BOUNDS);
+    bench->max_errors[bench->bound_count++] = text;
     return GW_OK;
 }
 
@@ -204,7 +214,7 @@ static error_t parse_bench(int key, char *argument, struct argp_state *state) {
         code = add_knob(&o->bench, argument, error);
         break;
     case KEY_MAX_ERROR:
-        o->bench.max_error = argument;
+        code = add_bound(&o->bench, argument, error);
         break;
     case KEY_MAX_COST:
         o->bench.max_cost = argument;
@@ -277,7 +287,9 @@ static const struct argp bench_argp = {
         "all others "
         "as they stand, against a frame without any approximation: errors, work, bytes, time, pictures, "
         "plots, and "
-        "one page that shows them together (accuracy.html). What the folder of --out holds already is not "
+        "one page that shows them together (accuracy.html), and accuracy.md, with a sentence for each knob. "
+        "Geometry (hits, depths, normals, silhouettes) is compared by one more ray a pixel. What the folder "
+        "of --out holds already is not "
         "measured "
         "again. --quick: a small picture and the chief knobs. --max-error and --max-cost look for settings.\n"
         "precision: rays at vertices and edges of rocks of a million triangles (quick: 6 thousand), from "
@@ -384,18 +396,18 @@ static gw_code check_heeded(const bench_options *o, gw_error *error) {
     const int effects = run == gw_bench_effects, accuracy = run == gw_bench_accuracy;
     const int draws = modes || aliasing || effects || accuracy || run == gw_bench_peers ||
                       run == gw_bench_layouts || run == gw_bench_resident;
-    const char *lost = bench->size[0] && !draws                         ? "--size"
-                       : bench->frames && !modes && !aliasing           ? "--frames"
-                       : bench->path && !modes && !effects && !accuracy ? "--path"
-                       : bench->point_light && !modes                   ? "--point-light"
-                       : bench->density > 0 && !modes                   ? "--density"
-                       : bench->times_only && !modes                    ? "--times-only"
-                       : bench->knob_count && !accuracy                 ? "--knob"
-                       : bench->max_error && !accuracy                  ? "--max-error"
-                       : bench->max_cost && !accuracy                   ? "--max-cost"
-                       : bench->save_profile && !accuracy               ? "--save-profile"
-                       : bench->rays && run != gw_bench_precision       ? "--rays"
-                                                                        : NULL;
+    const char *lost = bench->size[0] && !draws                            ? "--size"
+                       : bench->frames && !modes && !aliasing && !accuracy ? "--frames"
+                       : bench->path && !modes && !effects && !accuracy    ? "--path"
+                       : bench->point_light && !modes                      ? "--point-light"
+                       : bench->density > 0 && !modes                      ? "--density"
+                       : bench->times_only && !modes                       ? "--times-only"
+                       : bench->knob_count && !accuracy                    ? "--knob"
+                       : bench->bound_count && !accuracy                   ? "--max-error"
+                       : bench->max_cost && !accuracy                      ? "--max-cost"
+                       : bench->save_profile && !accuracy                  ? "--save-profile"
+                       : bench->rays && run != gw_bench_precision          ? "--rays"
+                                                                           : NULL;
     if (lost)
         return gw_fail(error, GW_BAD_INPUT, "bench %s has no use for %s; leave it out", o->kind->name, lost);
     return o->kind->needs >= NEEDS_NOTHING && bench->draw.scene

@@ -16,6 +16,8 @@ results=$folder/ledger
 expect "knobs that are none" 2 "did you mean 'tau'" bench accuracy --knob tua
 expect "two goals" 2 "leave out one" bench accuracy --max-error 1 --max-cost work=1
 expect "a cost that is none" 2 "did you mean 'rays'" bench accuracy --max-cost ray=1
+expect "knobs of trackers" 2 "gazewall bench tracking measures it" bench accuracy --knob head_cutoff
+expect "bounds in time of one frame" 2 "add --frames" bench accuracy --max-error flicker=1
 expect "knobs of other benches" 2 "has no use for --knob" bench effects --knob tau
 
 has "the ledger of a small scene" "$(ledger "$results" --knob tau)" "7 frames measured, 0 known"
@@ -27,6 +29,13 @@ print(b["faults"], [c["knob"] for c in b["scenes"][0]["curves"]])' "$results/acc
 is "at its exact value a knob has no error" \
     "$(python3 -c 'import csv, sys
 print([r["own_flip"] for r in csv.DictReader(open(sys.argv[1])) if r["value"] == "0"])' "$results/accuracy.csv")" "['0']"
+is "and finds the depths and silhouettes of exact triangles, which voxels have not" \
+    "$(python3 -c 'import csv, sys
+rows = {r["value"]: r for r in csv.DictReader(open(sys.argv[1]))}
+names = ["hit_mismatch", "depth_95", "normal_95", "silhouette_hausdorff"]
+print([float(rows["0"][n]) for n in names], float(rows["4"]["depth_95"]) > 0.5, rows["4"]["flicker"] == "")' "$results/accuracy.csv")" \
+    "[0.0, 0.0, 0.0, 0.0] True True"
+has "a sentence for each knob, over all scenes" "$(cat "$results/accuracy.md")" '(1) sheet:'
 is "the page stands alone" "$(python3 -c 'import html.parser, re, sys
 text = open(sys.argv[1]).read()
 class Page(html.parser.HTMLParser):
@@ -46,6 +55,11 @@ has "what is known is not measured again" "$(ledger "$results" --knob tau)" "0 f
 truncate -s -200 "$results/sheet/points.jsonl"
 has "a run that was cut goes on" "$(ledger "$results" --knob tau)" "1 frames measured, 6 known"
 is "and comes to the same" "$(cut -d, -f1-8 "$results/accuracy.csv" | md5sum)" "$before"
+
+has "frames in a row tell flicker" "$(ledger "$folder/moving" --knob samples --frames 3)" "flicker       pop"
+is "which more samples lessen, and the exact frame has none of" "$(python3 -c 'import csv, sys
+rows = {r["value"]: float(r["flicker"]) for r in csv.DictReader(open(sys.argv[1]))}
+print(rows["16"] == 0 < rows["4"] < rows["1"] < 0.5)' "$folder/moving/accuracy.csv")" True
 
 # Between tau 0.2 and 0.6 voxels are drawn as for 16 times as much.
 cp -R shaders "$folder/shaders"

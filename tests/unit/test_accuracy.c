@@ -79,6 +79,90 @@ static void fronts_hold_what_nothing_beats(void **state) {
         assert_int_equal(rows[i].front, wanted[i]);
 }
 
+/* A frame whose sharpness off the gaze costs nothing until triangles are exact: what gains most at first
+ * leaves no room for what would gain more. */
+static gw_code measure_trap(void *context, const gw_settings *settings, gw_ledger_point *out,
+                            gw_error *wrong) {
+    (void)wrong;
+    const int sharp = settings->acuity_slope == 0 || settings->gaze_half_width > 80,
+              exact = settings->tau == 0, blunt = !sharp && settings->acuity_slope > 0.05;
+    *out = (gw_ledger_point){0};
+    gw_metrics_clear(&out->errors);
+    ++*(size_t *)context;
+    out->errors.values[GW_METRIC_FLIP] = out->errors.values[GW_METRIC_SEEN_FLIP] = exact
+                                                                                       ? (sharp ? 0.04 : 0.05)
+                                                                                   : sharp ? 0.09
+                                                                                   : blunt ? 0.5
+                                                                                           : 0.1;
+    out->errors.values[GW_METRIC_DEPTH_95] = exact ? 0 : 2;
+    out->costs[GW_LEDGER_WORK] = exact ? (sharp ? 130 : 80) : blunt ? 20 : 100;
+    return GW_OK;
+}
+
+/* Two curves of the trap; the second has the values of tau. */
+static void sweep_trap(gw_accuracy_scene *scene, gw_accuracy_row rows[2 * ROWS], gw_accuracy_curve curves[2],
+                       const gw_settings *base, size_t *frames) {
+    static const char *const names[2] = {"acuity_slope", "tau"}, *const values[2][3] = {
+                                                                     {"0", "0.022", "0.088"},
+                                                                     {"0", "1", "2"}};
+    *scene = (gw_accuracy_scene){.name = "trap", .rows = rows, .curves = curves, .curve_count = 2};
+    check_ok(measure_trap(frames, base, &scene->standing, &error));
+    for (size_t c = 0; c < 2; c++) {
+        curves[c] =
+            (gw_accuracy_curve){.knob = gw_knob_find(names[c]), .first = scene->row_count, .count = 3};
+        for (size_t i = 0; i < 3; i++) {
+            gw_settings settings = *base;
+            char assignment[96];
+            gw_accuracy_row *row = &rows[scene->row_count++];
+            *row = (gw_accuracy_row){.knob = curves[c].knob, .standing = i == 1};
+            snprintf(row->value, sizeof row->value, "%s", values[c][i]);
+            snprintf(assignment, sizeof assignment, "%s=%s", names[c], values[c][i]);
+            check_ok(gw_settings_assign(&settings, assignment, &error));
+            check_ok(measure_trap(frames, &settings, &row->point, &error));
+            row->point.own = (double)NAN;
+        }
+        gw_accuracy_judge(scene, &curves[c]);
+    }
+    gw_accuracy_mark_fronts(scene);
+}
+
+static double found_figure(const gw_accuracy_scene *scene, const char *of, const char *name) {
+    return json_number_value(
+        json_object_get(json_object_get(json_object_get(scene->found_profile, "point"), of), name));
+}
+
+/* The search never comes to something worse than one knob's value that it has seen, and holds every bound. */
+static void the_search_is_no_worse_than_one_knob(void **state) {
+    (void)state;
+    static gw_bench bench;
+    gw_accuracy_scene scene;
+    gw_accuracy_row rows[2 * ROWS];
+    gw_accuracy_curve curves[2];
+    size_t frames = 0;
+    const gw_accuracy_instrument instrument = {measure_trap, &frames};
+    gw_settings_init(&bench.draw.settings);
+    sweep_trap(&scene, rows, curves, &bench.draw.settings, &frames);
+    bench.max_cost = "work=100";
+    check_ok(gw_accuracy_search(&scene, &bench, &instrument, &error));
+    assert_float_equal(found_figure(&scene, "errors", "seen_flip"), 0.05, 1e-12);
+    assert_true(json_is_true(json_object_get(scene.found_profile, "met")));
+    /* As little work as FLIP allows is not exact in depth: both hold, or it says so. */
+    bench.max_cost = NULL;
+    bench.max_errors[bench.bound_count++] = "flip=0.1";
+    check_ok(gw_accuracy_search(&scene, &bench, &instrument, &error));
+    assert_float_equal(found_figure(&scene, "costs", "work"), 80, 1e-12);
+    bench.max_errors[0] = "flip=0.045";
+    bench.max_errors[bench.bound_count++] = "depth_95=1";
+    check_ok(gw_accuracy_search(&scene, &bench, &instrument, &error));
+    assert_float_equal(found_figure(&scene, "costs", "work"), 130, 1e-12);
+    bench.max_errors[1] = "normal=1";
+    check_fails(gw_accuracy_search(&scene, &bench, &instrument, &error), GW_BAD_INPUT,
+                "normal cannot be measured");
+    bench.max_errors[1] = "flicker=1";
+    check_fails(gw_accuracy_check_goal(&bench, &error), GW_BAD_INPUT, "add --frames");
+    json_decref(scene.found_profile);
+}
+
 static gw_ledger_point some_point(const char *key) {
     gw_ledger_point point = {.own = 1.0 / 3, .spread_ms = 0.5, .predicted = 1.25, .worst = 2, .nodes = 77};
     gw_metrics_clear(&point.errors);
@@ -208,6 +292,7 @@ int main(void) {
         cmocka_unit_test(a_planted_error_is_flagged),
         cmocka_unit_test(a_knob_without_effect_is_idle),
         cmocka_unit_test(fronts_hold_what_nothing_beats),
+        cmocka_unit_test(the_search_is_no_worse_than_one_knob),
         cmocka_unit_test(kept_points_come_back),
         cmocka_unit_test(profiles_come_back),
         cmocka_unit_test(what_is_no_profile_is_refused),

@@ -101,6 +101,9 @@ int64_t gw_renderer_take_blend_ns(gw_renderer *renderer);
  * one that shows what was kept of a still view (accumulate), that of what it shows. */
 void gw_renderer_take_luminance(gw_renderer *renderer, gw_luminance *out);
 
+/* 1 while kernels are being made in the background. */
+int gw_renderer_makes_kernels(const gw_renderer *renderer);
+
 /* Which of two eyes, 0 or 1, the next frames are drawn for: the samples of still views (accumulate) are kept
  * for each by itself. Changes no pixel. */
 void gw_renderer_choose_view(gw_renderer *renderer, uint32_t view);

@@ -255,6 +255,13 @@ void gw_background_stop(gw_background **background) {
     *background = NULL;
 }
 
+int gw_renderer_makes_kernels(const gw_renderer *renderer) {
+    uint32_t made, failed;
+    int busy;
+    gw_background_count(renderer->background, &made, &failed, &busy);
+    return busy;
+}
+
 void gw_background_count(gw_background *b, uint32_t *made, uint32_t *failed, int *busy) {
     *made = *failed = 0;
     *busy = 0;

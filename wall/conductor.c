@@ -263,6 +263,7 @@ static gw_code finish_frame(gw_conductor *conductor, struct gw_rank *rank, uint3
     if (code)
         return code;
     conductor->slowest_ms = slowest;
+    conductor->making = own->making != 0;
     note_latency(conductor, rank, frame, slowest);
     gw_counters_add(&conductor->counters, &sum);
     if (gw_budget_is_on(&conductor->budget))

@@ -51,6 +51,7 @@ typedef struct gw_conductor {
     double swap_median, swap_maximum;    /* ms, for the summary */
     uint32_t slowest_tile;               /* of the last frame */
     double slowest_ms;
+    int making;           /* this tile makes kernels in the background, as of the last frame */
     gw_counters counters; /* of all tiles and frames */
     gw_budget budget;     /* of --budget, --budget-rays */
     gw_exposure exposure;

@@ -43,4 +43,9 @@ void gw_conductor_status(const gw_conductor *conductor, const struct gw_rank *ra
         if (tiles[i].count && length < ROOM)
             length += snprintf(text + length, (size_t)(ROOM - length), ", %" PRIu32 " %s", tiles[i].count,
                                tiles[i].what);
+    const uint64_t compiling = gw_gate_compiling(conductor->gate) | (uint64_t)(conductor->making != 0);
+    char names[64];
+    gw_layout_names(&rank->site.layout, compiling, names, sizeof names);
+    if (compiling && length < ROOM)
+        snprintf(text + length, (size_t)(ROOM - length), ", kernels in the making: %s", names);
 }

@@ -246,6 +246,7 @@ static void take_presented(gw_gate *gate, gw_gate_member *m) {
 static void take_answer(gw_gate *gate, gw_gate_member *m) {
     gw_answer *answer = &m->incoming;
     m->silence = answer->silence_ms * millisecond;
+    m->tile.compiling = answer->kind == GW_ANSWER_BEAT && (answer->silence_ms > 0 || m->tile.compiling);
     m->tile.processor = answer->processor;
     if (answer->kind == GW_ANSWER_BEAT) {
         m->pong_due = 1;
@@ -476,6 +477,29 @@ static void rest(gw_gate *gate, int moved, int64_t until) {
     gw_bell_wait(&gate->bell, left < 0 ? 0 : left < nap ? left : nap, lines, line_count);
 }
 
+uint64_t gw_gate_compiling(const gw_gate *gate) {
+    uint64_t tiles = 0;
+    for (uint32_t i = 1; i < gate->count; i++) {
+        const gw_gate_tile *tile = &gate->members[i].tile;
+        const int at_it = tile->compiling || (tile->complete && tile->done.making);
+        tiles |= (uint64_t)(tile->state != GW_TILE_LOST && at_it) << i;
+    }
+    return tiles;
+}
+
+/* Frames wait long only for kernels. */
+static void tell_compiling(const gw_gate *gate) {
+    char names[96], text[160];
+    uint64_t tiles = 0;
+    for (uint32_t i = 1; i < gate->count; i++)
+        tiles |= (uint64_t)(is_busy(&gate->members[i]) && gate->members[i].tile.compiling) << i;
+    if (!tiles)
+        return;
+    gw_layout_names(gate->layout, tiles, names, sizeof names);
+    snprintf(text, sizeof text, "frame %" PRIu32 " waits for kernels: %s", gate->current.state.frame, names);
+    gw_log_progress(gate->log, text, -1);
+}
+
 void gw_gate_collect(gw_gate *gate, const gw_patience *patience) {
     int64_t begin = gw_now_ns();
     gate->nap = 0;
@@ -487,6 +511,7 @@ void gw_gate_collect(gw_gate *gate, const gw_patience *patience) {
         int moved = look(gate);
         if (!judge(gate, patience, begin))
             break;
+        tell_compiling(gate);
         if (!moved)
             rest(gate, moved, patience->live ? begin + patience->frame : INT64_MAX);
     }

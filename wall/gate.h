@@ -45,6 +45,7 @@ typedef struct gw_gate_tile {
     uint32_t
         rejoin_ms;   /* from the start of its process to its first presented frame, if it was started again */
     char fault[256]; /* what was wrong with it last; "": nothing ever */
+    int compiling;   /* it said that it compiles a kernel, and has not answered since */
     int complete;    /* this frame's answer and pixels are here */
     gw_tile_missed missed; /* after collecting: why they are not */
     gw_done done;          /* this frame's answer */
@@ -96,6 +97,8 @@ void gw_gate_tile_died(gw_gate *gate, uint32_t tile, const char *how);
 void gw_gate_quit(gw_gate *gate);
 /* Waits for those that are not lost to have taken it, at most 2 s. */
 void gw_gate_wait_until_left(gw_gate *gate);
+/* A bit for each tile that compiles kernels: before it can answer, or in the background. */
+uint64_t gw_gate_compiling(const gw_gate *gate);
 const gw_gate_tile *gw_gate_tile_of(const gw_gate *gate, uint32_t tile);
 /* Tiles that were started again come in from now on, at a port of the address; site: the one in force,
  * borrowed until gw_gate_take_site. Only in live mode; before the first frame. */

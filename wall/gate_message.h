@@ -45,7 +45,7 @@ typedef struct gw_done {
     int32_t code;          /* gw_code; not 0: text says why, and no pixels follow */
     int64_t render_ns;     /* time in gw_renderer_frame */
     uint32_t site;         /* for which it was drawn */
-    uint32_t reserved;     /* 0 */
+    uint32_t making;       /* 1: kernels for frames like it are being made in the background */
     float lanes[GW_LANES]; /* ms, of the overlay: what surrounds the drawing is of the frame before */
     gw_counters counters;
     gw_predicted_error predicted; /* of its tile, if it was wanted */

@@ -2,7 +2,9 @@
 
 #include "render/vector3.h"
 
+#include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 void gw_split_evenly(uint32_t pixels, uint32_t count, uint32_t *parts) {
@@ -205,4 +207,24 @@ gw_code gw_layout_point(const gw_layout *layout, const double pixel[2], double o
     }
     return gw_fail(error, GW_BAD_INPUT, "pixel %g,%g is on no tile; the wall has %ux%u pixels", pixel[0],
                    pixel[1], layout->picture[0], layout->picture[1]);
+}
+
+void gw_layout_names(const gw_layout *layout, uint64_t tiles, char *text, size_t room) {
+    enum { MORE = 16 /* characters of " and 63 more" */ };
+    uint32_t left = 0;
+    size_t used = 0;
+    for (uint32_t i = 0; i < layout->tile_count && i < 64; i++)
+        left += (uint32_t)(tiles >> i & 1);
+    text[0] = '\0';
+    for (uint32_t i = 0; i < layout->tile_count && left > 0; i++) {
+        const char *name = layout->tiles[i].name;
+        if (!(tiles >> i & 1))
+            continue;
+        if (used + strlen(name) + 2 + MORE > room) {
+            snprintf(text + used, room - used, " and %" PRIu32 " more", left);
+            return;
+        }
+        used += (size_t)snprintf(text + used, room - used, "%s%s", used ? ", " : "", name);
+        left--;
+    }
 }

@@ -80,6 +80,9 @@ void gw_tile_corners(const gw_tile *tile, double out[4][3]);
  * GW_BAD_INPUT when no tile is there. */
 gw_code gw_layout_point(const gw_layout *layout, const double pixel[2], double out[3], gw_error *error);
 
+/* "c1r0, c2r0, c0r1 and 3 more": the tiles whose bits are set in `tiles`, as far as there is room. */
+void gw_layout_names(const gw_layout *layout, uint64_t tiles, char *text, size_t room);
+
 /* Fills size, centre and picture from the tiles. */
 gw_code gw_layout_measure(gw_layout *layout, gw_error *error);
 

@@ -48,6 +48,7 @@ static gw_code draw_scene(gw_rank *rank, const gw_release *release, gw_done *don
     if (!code)
         code = gw_gl_check_reset(error);
     done->render_ns = gw_now_ns() - begin;
+    done->making = (uint32_t)gw_renderer_makes_kernels(rank->renderer);
     gw_renderer_take_luminance(rank->renderer, &done->luminance);
     const double blend_ms = (double)gw_renderer_take_blend_ns(rank->renderer) * 1e-6;
     rank->lane_ms[GW_LANE_BLEND] = (float)blend_ms;

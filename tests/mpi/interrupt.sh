@@ -18,12 +18,12 @@ left() {
     pgrep -f -- "--out $1\$" | wc -l
 }
 
-# run SIGNAL SECONDS CODE
+# run SIGNAL SECONDS CODE [OPTION...]
 run() {
-    local name=interrupted-$1-$2-$$
+    local name=interrupted-$1-$2-$#-$$
     local before
     before=$(segments)
-    "$program" sim --scene sheet.obj --set octree_depth=5 --tiles 2x1 --size 96x32 --frames 100000 --quiet --save-states "$name.states" --report "$name.json" --out "$name" >"$name.out" 2>"$name.log" &
+    "$program" sim --scene sheet.obj --set octree_depth=5 --tiles 2x1 --size 96x32 --frames 100000 "${@:4}" --quiet --save-states "$name.states" --report "$name.json" --out "$name" >"$name.out" 2>"$name.log" &
     local launcher=$!
     if [ "$2" = frames ]; then
         for _ in $(seq 600); do
@@ -56,6 +56,20 @@ run TERM 0.5 143
 run TERM frames 143
 run KILL 0.3 137
 run KILL frames 137
+
+# --- while kernels are made in the background: those of a gaze that is lost in frame 3
+python3 - "interrupted-INT-frames-3-$$.states" >lost.states <<'END'
+import json, sys
+lines = open(sys.argv[1]).read().splitlines()
+print(lines[0])
+for number in range(2000):
+    state = json.loads(lines[1 + min(number, 3)])
+    print(json.dumps({**state, "frame": number, "gazes": state["gazes"] if number < 3 else []}))
+END
+MESA_SHADER_CACHE_DISABLE=true run INT frames 130 --frames 2000 --states lost.states --kernels background --cache none
+making=$(json "interrupted-INT-frames-11-$$.json" '["effects"]["variants"]')
+has "while kernels are made: in the background" "$making" "'making': 'background'"
+is "while kernels are made: others drew" "${making//*\'stand_in_frames\': 0*/none}" "$making"
 
 # --- a segment that a killed run left is swept by the next
 dead=$(bash -c 'echo $$')

@@ -209,12 +209,29 @@ static void pictures_are_assembled(void **state) {
     gw_image_finish(&image);
 }
 
+static void tiles_are_named_as_far_as_there_is_room(void **state) {
+    (void)state;
+    const gw_layout layout = layout_of(4, 2, 64, 32, 0);
+    char text[40];
+    gw_layout_names(&layout, 0, text, sizeof text);
+    assert_string_equal(text, "");
+    gw_layout_names(&layout, 2 | 32, text, sizeof text);
+    assert_string_equal(text, "c1r0, c1r1");
+    gw_layout_names(&layout, 255, text, sizeof text);
+    assert_string_equal(text, "c0r0, c1r0, c2r0, c3r0 and 4 more");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(splits_are_even_and_complete),    cmocka_unit_test(a_split_is_one_plane),
-        cmocka_unit_test(bezels_are_gaps_between_planes),  cmocka_unit_test(a_pixel_has_a_point),
-        cmocka_unit_test(measured_corners_are_kept),       cmocka_unit_test(shipped_sites_load),
-        cmocka_unit_test(panels_are_laid_over_each_other), cmocka_unit_test(pictures_are_assembled),
+        cmocka_unit_test(splits_are_even_and_complete),
+        cmocka_unit_test(a_split_is_one_plane),
+        cmocka_unit_test(bezels_are_gaps_between_planes),
+        cmocka_unit_test(a_pixel_has_a_point),
+        cmocka_unit_test(measured_corners_are_kept),
+        cmocka_unit_test(shipped_sites_load),
+        cmocka_unit_test(panels_are_laid_over_each_other),
+        cmocka_unit_test(pictures_are_assembled),
+        cmocka_unit_test(tiles_are_named_as_far_as_there_is_room),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

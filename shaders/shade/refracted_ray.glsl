@@ -30,6 +30,9 @@ Secondary_ray refracted_ray(Met met, Optics optics, vec3 tint) {
     next.direction = direction;
     next.width = met.width;
     next.growth = growth;
+#ifdef FORGET_FOOTPRINT
+    next.width = next.growth = 0.0; // the naive variant, for the test that shows why
+#endif
     next.tau = met.ray.tau;
     next.clear = min(reach_of(met.start, met.ray.tau * met.width) / sinking, NEVER_CLEAR);
     next.part = (1.0 - optics.reflectance) * optics.share * max(tint.r, max(tint.g, tint.b));

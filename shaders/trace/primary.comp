@@ -118,6 +118,9 @@ uint emit_nearest() {
     if ((hit_flags & GW_TRIANGLE_ALPHA) != 0u) {
         floor_t = hit_t;
         floor_triangle = hit_triangle;
+#ifdef SKIP_BEHIND_HIT
+        floor_t = hit_t + 1e-5; // the naive variant, for the test that shows why
+#endif
         hit_t = NO_HIT;
         hit_triangle = GW_NO_TRIANGLE;
         cell = leaf_cell;

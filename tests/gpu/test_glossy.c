@@ -21,7 +21,7 @@ static gw_scene *floor_and_wall(float roughness, float metalness, int stripes) {
     gw_mesh_add_grid(&mesh, (const double[]){-1, 0, -1}, (const double[]){2, 0, 0}, (const double[]){0, 0, 2},
                      8, 8);
     gw_mesh_add_grid(&mesh, (const double[]){-1, 0.02, -1}, (const double[]){2, 0, 0},
-                     (const double[]){0, 1, 0}, 16, 4);
+                     (const double[]){0, 1, 0}, stripes ? (uint32_t)stripes : 16, 4);
     gw_scene *scene = gw_mesh_take(&mesh);
     scene->materials = realloc(scene->materials, 3 * sizeof *scene->materials);
     assert_non_null(scene->materials);
@@ -46,7 +46,8 @@ static gw_scene *floor_and_wall(float roughness, float metalness, int stripes) {
                     *b = &scene->positions[3 * (size_t)scene->triangles[t][1]],
                     *c = &scene->positions[3 * (size_t)scene->triangles[t][2]];
         const int on_wall = fabsf(a[1] - b[1]) + fabsf(a[1] - c[1]) > 1e-4f;
-        const int stripe = (int)floor(((double)a[0] + (double)b[0] + (double)c[0]) / 3 * metres * 8);
+        const int stripe =
+            (int)floor(((double)a[0] + (double)b[0] + (double)c[0]) / 3 * metres * stripes / 2);
         scene->material_of[t] = on_wall ? (stripes && stripe & 1 ? 2 : WALL) : FLOOR;
     }
     return scene;
@@ -109,7 +110,7 @@ static void samples_fill_the_lobe(void **state) {
     gw_camera camera;
     (void)state;
     uint8_t *pictures[4];
-    open_at(&stage, &camera, floor_and_wall(0.25f, 1, 1), NULL);
+    open_at(&stage, &camera, floor_and_wall(0.25f, 1, 16), NULL);
     gw_renderer *renderer = gw_stage_renderer(&stage);
     static const uint16_t counts[] = {1, 16, 64};
     for (size_t i = 0; i < 3; ++i) {
@@ -118,7 +119,7 @@ static void samples_fill_the_lobe(void **state) {
     }
     gw_renderer_destroy(&renderer);
     gw_stage_close(&stage);
-    open_at(&stage, &camera, floor_and_wall(0.25f, 1, 1),
+    open_at(&stage, &camera, floor_and_wall(0.25f, 1, 16),
             gw_naive_shaders(folder, "middles", "shade/glossy_ray.glsl", "LOBE_MIDDLES"));
     camera.state.accumulate = 16;
     pictures[3] = gw_stage_take(&stage, &camera, NULL, NULL);
@@ -139,7 +140,7 @@ enum { BARE, COATED };
 enum { FLOOR_PIXELS = PIXELS / 2, FLOOR_ROWS = FLOOR_PIXELS * 4 }; /* the lower half of the picture */
 
 static gw_scene *black_floor(int finish, float roughness) {
-    gw_scene *scene = floor_and_wall(finish == BARE ? roughness : 1, 0, 1);
+    gw_scene *scene = floor_and_wall(finish == BARE ? roughness : 1, 0, 16);
     scene->extensions = malloc(scene->material_count * sizeof *scene->extensions);
     assert_non_null(scene->extensions);
     for (uint32_t i = 0; i < scene->material_count; ++i)
@@ -316,12 +317,44 @@ static void lobes_see_suns_through_glass_once(void **state) {
     assert_true(naive > open + 0.5 * (open - sky)); /* the naive rule fails */
 }
 
+/* How far single samples are off the mean of many, pixel by pixel on the floor: the footprint takes in the
+ * lobe, so that voxels average what one ray would pick at random. */
+static double grain_of_lobes(const char *shaders) {
+    gw_stage stage;
+    gw_camera camera;
+    check_ok(gw_stage_open(&stage, floor_and_wall(0.3f, 1, 64), shaders,
+                           (const char *const[]){"octree_depth=8", "emissive_lights=0", "tau_inside=1",
+                                                 "glossy_roughness=0.4", NULL},
+                           &error));
+    gw_camera_look(&camera, &stage, (const double[]){0, 0.8, 0.8}, (const double[]){0, 0, -0.2}, 4, SIDE);
+    gw_renderer *renderer = gw_stage_renderer(&stage);
+    uint8_t *one = gw_camera_take(&camera, renderer, NULL);
+    camera.state.accumulate = 64;
+    uint8_t *many = gw_camera_take(&camera, renderer, NULL);
+    const double grain = gw_mean_difference(one, many, PIXELS);
+    free(one);
+    free(many);
+    gw_renderer_destroy(&renderer);
+    gw_stage_close(&stage);
+    return grain;
+}
+
+static void lobes_are_footprints(void **state) {
+    char folder[512];
+    (void)state;
+    const char *shaders = gw_naive_shaders(folder, "narrow", "shade/glossy_ray.glsl", "NARROW_LOBES");
+    const double wide = grain_of_lobes(NULL), narrow = grain_of_lobes(shaders);
+    print_message("# one sample is off 64 samples by %.2f/255, with rays as wide as a mirror's %.2f\n", wide,
+                  narrow);
+    assert_true(wide < 0.6 * narrow); /* the naive footprint fails */
+}
+
 /* A gaze, voxels, sparse samples: counted, suspended, with all effects and in pieces. */
 static void however_it_is_drawn_pixels_are_the_same(void **state) {
     gw_stage stage;
     gw_camera camera;
     (void)state;
-    open_at(&stage, &camera, floor_and_wall(0.2f, 0, 1), NULL);
+    open_at(&stage, &camera, floor_and_wall(0.2f, 0, 16), NULL);
     camera.state.tau = 3;
     camera.state.least_throughput = 0;
     gw_camera_gaze(&camera, SIDE / 3, SIDE / 2, 4.0);
@@ -353,7 +386,7 @@ static void however_it_is_drawn_pixels_are_the_same(void **state) {
 
 static void what_calls_for_it_is_data(void **state) {
     (void)state;
-    gw_scene *scene = floor_and_wall(0.2f, 1, 1);
+    gw_scene *scene = floor_and_wall(0.2f, 1, 16);
     assert_true(gw_calls_for_gloss(scene, 0.02f, 0.25f));
     assert_false(gw_calls_for_gloss(scene, 0.02f, 0.2f));
     assert_false(gw_calls_for_gloss(scene, 0.2f, 0.25f)); /* a mirror */
@@ -377,6 +410,7 @@ int main(void) {
         cmocka_unit_test(coats_show_lamps_once),
         cmocka_unit_test(smooth_coats_mirror_sharply),
         cmocka_unit_test(lobes_see_suns_through_glass_once),
+        cmocka_unit_test(lobes_are_footprints),
         cmocka_unit_test(however_it_is_drawn_pixels_are_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

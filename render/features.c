@@ -35,8 +35,8 @@ const gw_feature_row gw_feature_rows[] = {
     {GW_FEATURE_MIRROR, "mirror", "MIRROR",
      "no material in use is a perfect mirror: metalness 1, roughness at most mirror_roughness"},
     {GW_FEATURE_GLOSSY, "glossy", "GLOSSY",
-     "no material in use, nor its clearcoat, is smoother than glossy_roughness, or there is no light to "
-     "reflect"},
+     "no material in use, nor its clearcoat, is smoother than glossy_roughness (of a map the smoothest "
+     "texel counts), or there is no light to reflect"},
     {GW_FEATURE_OCCLUSION, "occlusion", "OCCLUSION",
      "occlusion_cones or bounces is 0, or no light comes from everywhere"},
     {GW_FEATURE_DIFFUSE, "diffuse-bounce", "DIFFUSE",
@@ -149,43 +149,6 @@ static gw_features features_of_light(const gw_light *light) {
     if (light->range > 0.0f)
         bits |= GW_FEATURE_SPOT_LIGHTS;
     return bits;
-}
-
-static int shines(const float color[3]) {
-    return color[0] > 0.0f || color[1] > 0.0f || color[2] > 0.0f;
-}
-
-static int has_glossy_coat(const gw_material_extension *extension, float glossy_roughness) {
-    return extension->clearcoat > 0.0f && (extension->clearcoat_roughness_map.texture >= 0 ||
-                                           extension->clearcoat_roughness < glossy_roughness);
-}
-
-static int is_glossy(const gw_scene *scene, uint32_t number, float mirror_roughness, float glossy_roughness) {
-    const gw_material *material = &scene->materials[number];
-    const gw_material_extension *extension = scene->extensions ? &scene->extensions[number] : NULL;
-    if (gw_lets_light_through(scene, number) || (extension && extension->unlit))
-        return 0;
-    if (extension &&
-        (extension->metallic_roughness.texture >= 0 || has_glossy_coat(extension, glossy_roughness)))
-        return 1;
-    return material->roughness < glossy_roughness &&
-           !(material->metalness >= 1.0f && material->roughness <= mirror_roughness);
-}
-
-int gw_calls_for_gloss(const gw_scene *scene, float mirror_roughness, float glossy_roughness) {
-    int light = scene->light_count > 0 || scene->environment.rgbe.rgba || shines(scene->ambient) ||
-                shines(scene->background);
-    int glossy = 0;
-    uint32_t last = UINT32_MAX;
-    for (uint32_t i = 0; i < scene->triangle_count && !(light && glossy) && glossy_roughness > 0.0f; ++i) {
-        const uint32_t material = scene->material_of[i];
-        if (material == last)
-            continue;
-        light = light || shines(scene->materials[material].emissive);
-        glossy = glossy || is_glossy(scene, material, mirror_roughness, glossy_roughness);
-        last = material;
-    }
-    return light && glossy;
 }
 
 /* Nothing absorbs whose colour is white or whose surface bounds nothing. */

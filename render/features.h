@@ -105,9 +105,6 @@ gw_code gw_feature_of_name(const char *name, gw_features *bit, gw_error *error);
 /* mirror_roughness: up to which metal is a mirror. */
 gw_features gw_features_of_material(const gw_material *material, float mirror_roughness);
 gw_features gw_features_of_scene(const gw_scene *scene, const gw_octree *octree, float mirror_roughness);
-/* 1 if a material in use is smoother than glossy_roughness, lit, no mirror and no glass, and the scene has
- * any light to reflect. What a map of roughness says is not looked at: it may be smooth anywhere. */
-int gw_calls_for_gloss(const gw_scene *scene, float mirror_roughness, float glossy_roughness);
 /* viewers: gazes that are usable, which may be fewer than state->gaze_count. */
 gw_features gw_features_of_frame(const gw_frame_state *state, uint32_t viewers, gw_features scene_features);
 

@@ -3,6 +3,7 @@
 #include "render/renderer_internal.h"
 
 #include "base/memory.h"
+#include "render/gloss.h"
 #include "shaders/common/frame.h"
 
 #include <stdio.h>
@@ -45,7 +46,8 @@ gw_light_knobs gw_renderer_light_knobs(const gw_renderer *renderer, const gw_fra
 gw_code gw_renderer_take_features(gw_renderer *renderer, gw_error *error) {
     gw_features called_for =
         gw_features_of_scene(renderer->scene, renderer->octree, renderer->mirror_roughness);
-    if (gw_calls_for_gloss(renderer->scene, renderer->mirror_roughness, renderer->glossy_roughness))
+    if (gw_calls_for_gloss(renderer->scene, renderer->buffers.smoothest, renderer->mirror_roughness,
+                           renderer->glossy_roughness))
         called_for |= GW_FEATURE_GLOSSY;
     if (renderer->buffers.environment_count > 0)
         called_for |= GW_FEATURE_DIRECTIONAL_LIGHTS | GW_FEATURE_SHADOWS;

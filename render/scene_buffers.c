@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "build/gpu_types.h"
 #include "render/albedo_table.h"
+#include "render/gloss.h"
 #include "render/light_list.h"
 #include "render/material_rows.h"
 #include "render/root_grid.h"
@@ -256,6 +257,8 @@ gw_code gw_scene_buffers_init(gw_gl *device, const gw_scene *scene, const gw_oct
         code = gw_scene_buffers_light(device, scene, knobs, out, error);
     if (!code)
         code = upload_tables(extensions || has_sheen(scene), out, error);
+    if (!code)
+        code = gw_smoothest_texels(scene, &out->smoothest, error);
     if (code)
         gw_scene_buffers_finish(out);
     return code;
@@ -280,6 +283,7 @@ void gw_scene_buffers_finish(gw_scene_buffers *buffers) {
     gw_texture_set_finish(&buffers->textures);
     gw_environment_textures_finish(&buffers->environment);
     gw_texture_set_finish(&buffers->data);
+    free(buffers->smoothest);
     const GLuint tables[2] = {buffers->albedo_table, buffers->sheen_table};
     glDeleteTextures(2, tables);
     gw_gl_buffer *all[] = {&buffers->nodes,     &buffers->references, &buffers->triangles,

@@ -25,6 +25,7 @@ typedef struct gw_scene_buffers {
     gw_light_list list;               /* what the buffer of lights holds */
     uint32_t environment_count;       /* lights of it that the environment has */
     gw_environment_textures environment;
+    uint8_t *smoothest; /* texels of its maps of roughness, as render/gloss.h says */
 } gw_scene_buffers;
 
 /* extensions: 1: rows of material extensions, second texture coordinates and tangents exist even if the scene

@@ -4,6 +4,7 @@
 
 #include "base/srgb.h"
 #include "render/features.h"
+#include "render/gloss.h"
 #include "tests/support/meshes.h"
 #include "tests/support/renders.h"
 
@@ -387,23 +388,49 @@ static void however_it_is_drawn_pixels_are_the_same(void **state) {
 static void what_calls_for_it_is_data(void **state) {
     (void)state;
     gw_scene *scene = floor_and_wall(0.2f, 1, 16);
-    assert_true(gw_calls_for_gloss(scene, 0.02f, 0.25f));
-    assert_false(gw_calls_for_gloss(scene, 0.02f, 0.2f));
-    assert_false(gw_calls_for_gloss(scene, 0.2f, 0.25f)); /* a mirror */
-    assert_false(gw_calls_for_gloss(scene, 0.02f, 0));
+    assert_true(gw_calls_for_gloss(scene, NULL, 0.02f, 0.25f));
+    assert_false(gw_calls_for_gloss(scene, NULL, 0.02f, 0.2f));
+    assert_false(gw_calls_for_gloss(scene, NULL, 0.2f, 0.25f)); /* a mirror */
+    assert_false(gw_calls_for_gloss(scene, NULL, 0.02f, 0));
     gw_scene *coated = black_floor(COATED, 0.2f); /* the coat alone */
-    assert_true(gw_calls_for_gloss(coated, 0.02f, 0.25f));
-    assert_false(gw_calls_for_gloss(coated, 0.02f, 0.2f));
+    assert_true(gw_calls_for_gloss(coated, NULL, 0.02f, 0.25f));
+    assert_false(gw_calls_for_gloss(coated, NULL, 0.02f, 0.2f));
     gw_scene_destroy(&coated);
     for (int i = 0; i < 3; ++i)
         scene->ambient[i] = scene->background[i] = scene->materials[WALL].emissive[i] = 0;
-    assert_false(gw_calls_for_gloss(scene, 0.02f, 0.25f)); /* nothing to reflect */
+    assert_false(gw_calls_for_gloss(scene, NULL, 0.02f, 0.25f)); /* nothing to reflect */
     gw_scene_destroy(&scene);
+}
+
+/* Texels of a map of roughness from 0.5 to 1, times a factor of 0.8: smoother than 0.25 nowhere. */
+static void maps_call_for_it_by_their_smoothest_texel(void **state) {
+    (void)state;
+    uint8_t *smoothest = NULL;
+    for (int coat = 0; coat < 2; ++coat) {
+        gw_scene *scene = black_floor(coat ? COATED : BARE, 1);
+        gw_material_extension *extension = &scene->extensions[FLOOR];
+        scene->textures = calloc(1, sizeof *scene->textures);
+        assert_non_null(scene->textures);
+        scene->texture_count = 1;
+        check_ok(gw_image_create(2, 2, &scene->textures[0].image, &error));
+        memcpy(scene->textures[0].image.rgba, "\0\xff\0\0\0\x80\0\0\0\xc0\0\0\0\xff\0\0", 16);
+        (coat ? &extension->clearcoat_roughness_map : &extension->metallic_roughness)->texture = 0;
+        extension->roughness = extension->clearcoat_roughness = 0.8f;
+        check_ok(gw_smoothest_texels(scene, &smoothest, &error));
+        assert_int_equal(smoothest[0], 0x80);
+        assert_true(
+            gw_calls_for_gloss(scene, NULL, 0.02f, 0.25f)); /* the naive rule: it may be smooth anywhere */
+        assert_false(gw_calls_for_gloss(scene, smoothest, 0.02f, 0.4f));
+        assert_true(gw_calls_for_gloss(scene, smoothest, 0.02f, 0.41f));
+        free(smoothest);
+        gw_scene_destroy(&scene);
+    }
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_calls_for_it_is_data),
+        cmocka_unit_test(maps_call_for_it_by_their_smoothest_texel),
         cmocka_unit_test(a_furnace_keeps_its_light),
         cmocka_unit_test(samples_fill_the_lobe),
         cmocka_unit_test(coats_reflect_as_they_are_rough),

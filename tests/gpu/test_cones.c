@@ -338,6 +338,10 @@ static void a_closed_room_is_dark(void **state) {
     for (int coarse = 0; coarse < 2; ++coarse) {
         double worst = 0, sum = 0;
         camera.state.tau_inside = coarse ? 2.0f : 0.0f; /* what cones start from is voxels, too */
+        /* Rays of pixels leak at the room's edges where it is voxels: what they see there is no cone's fault.
+         */
+        for (int k = 0; coarse && k < 3; ++k)
+            stages[2].scene->background[k] = 0;
         uint8_t *pixels = gw_camera_take(&camera, renderer, NULL);
         for (size_t i = 0; i < PIXELS; ++i) {
             const double open = openness_of(pixels + 4 * i);
@@ -346,8 +350,8 @@ static void a_closed_room_is_dark(void **state) {
         }
         print_message("# tau %d: openness in a closed room %.4f, at worst %.4f\n", 2 * coarse, sum / PIXELS,
                       worst);
-        assert_true(sum / PIXELS < (coarse ? 0.03 : 0.01));
-        assert_true(coarse || worst < 0.2); /* rays of pixels leak at edges of voxels, too */
+        assert_true(sum / PIXELS < (coarse ? 0.02 : 0.01));
+        assert_true(worst < 0.2);
         free(pixels);
     }
     leave(2, &renderer);
@@ -393,77 +397,6 @@ static void glowing_walls_light_each_other(void **state) {
     json_decref(report);
     gw_renderer_destroy(&renderer);
     gw_stage_close(&stage);
-}
-
-/* A floor of 2 m; and over it, if `glass` is given, a sheet with this index of refraction as wide as the sky.
- */
-static gw_scene *floor_under(float glass, int with_sun) {
-    gw_mesh mesh = {0};
-    gw_mesh_add_grid(&mesh, (const double[]){-1, 0, -1}, (const double[]){0, 0, 2}, (const double[]){2, 0, 0},
-                     4, 4);
-    gw_mesh_add_grid(&mesh, (const double[]){-40, glass > 0 ? 0.5 : -0.5, -40}, (const double[]){0, 0, 80},
-                     (const double[]){80, 0, 0}, 8, 8);
-    gw_scene *scene = gw_mesh_take(&mesh);
-    scene->materials = realloc(scene->materials, 2 * sizeof *scene->materials);
-    scene->extensions = malloc(2 * sizeof *scene->extensions);
-    assert_true(scene->materials && scene->extensions);
-    scene->material_count = 2;
-    scene->materials[1] = scene->materials[0];
-    for (int i = 0; i < 2; ++i) {
-        scene->extensions[i] = gw_material_extension_none();
-        scene->extensions[i].specular = i == 0 ? 0 : 1;
-        scene->materials[i].metalness = 0;
-        scene->materials[i].roughness = i == 0 ? 1 : 0;
-        for (int k = 0; k < 3; ++k)
-            scene->materials[i].base_color[k] = i == 0 ? albedo : 1;
-    }
-    scene->extensions[1].transmission = 1;
-    scene->extensions[1].ior = fmaxf(glass, 1);
-    for (uint32_t t = 0; t < scene->triangle_count; ++t) {
-        const float height = scene->positions[3 * (size_t)scene->triangles[t][0] + 1]; /* about the middle */
-        scene->material_of[t] = glass > 0 ? height > 0 : height < 0;
-    }
-    for (int k = 0; k < 3; ++k)
-        scene->ambient[k] = scene->background[k] = 0;
-    gw_give_sky(scene, with_sun);
-    return scene;
-}
-
-/* Mean light of the floor's pixels. */
-static double light_under(float glass, int with_sun, const char *shaders) {
-    gw_stage stage;
-    gw_camera camera;
-    check_ok(
-        gw_stage_open(&stage, floor_under(glass, with_sun), shaders,
-                      (const char *const[]){"octree_depth=8", "occlusion_cones=6", "occlusion_distance=2",
-                                            "diffuse_bounce=on", "accumulate=16", NULL},
-                      &error));
-    gw_camera_look(&camera, &stage, (const double[]){0, 0.4, 0.3}, (const double[]){0, 0, 0}, 40, SIDE / 2);
-    uint8_t *pixels = gw_stage_take(&stage, &camera, NULL, NULL);
-    const double light = gw_mean_linear(pixels, PIXELS / 4);
-    free(pixels);
-    gw_stage_close(&stage);
-    return light;
-}
-
-/* Glass of index 1 cannot be seen: what stands beneath it has the light of the open sky, once. Lights stand
- * for the sun, and shine through the glass themselves; where cones see it there, too, it lights twice. */
-static void cones_see_no_lamps_through_glass(void **state) {
-    char folder[512];
-    (void)state;
-    const char *twice = gw_naive_shaders(folder, "lamps-twice", "shade/secondary_light.glsl", "LAMPS_TWICE");
-    const double share = (double)albedo / pi, sun = share * gw_sky_irradiance_of_sun();
-    for (int with_sun = 0; with_sun < 2; ++with_sun) {
-        const double wanted = share * 0.5 * pi + with_sun * sun;
-        const double open = light_under(0, with_sun, NULL), beneath = light_under(1, with_sun, NULL);
-        print_message("# %s: %.4f wanted, %.4f in the open, %.4f beneath glass\n",
-                      with_sun ? "sun" : "even sky", wanted, open, beneath);
-        assert_true(fabs(open - wanted) < 0.02 * wanted);
-        assert_true(fabs(beneath - wanted) < 0.03 * wanted); /* the picture is blurred across the horizon */
-    }
-    const double naive = light_under(1, 1, twice), wanted = share * 0.5 * pi + sun;
-    print_message("# sun, seen by cones too: %.4f beneath glass\n", naive);
-    assert_true(naive > wanted + 0.5 * sun); /* the naive rule fails */
 }
 
 /* Any split, rays that are suspended early, and a gaze: the same bits. */
@@ -569,12 +502,56 @@ static void no_ring_follows_the_gaze(void **state) {
     leave(1, &renderer);
 }
 
+/* Nor in a closed room in the light of a lamp, which walls pass on: of its light rings about a gaze change no
+ * more than those beside them, wherever the gaze is. */
+static void no_ring_follows_the_gaze_in_a_lit_room(void **state) {
+    static const double gazes[2][2] = {{20, 20}, {12, 26}};
+    (void)state;
+    gw_scene *scene = make_scene(2);
+    gw_camera camera;
+    scene->lights = calloc(1, sizeof *scene->lights);
+    assert_non_null(scene->lights);
+    scene->light_count = 1;
+    scene->lights[0] =
+        (gw_light){.kind = GW_LIGHT_POINT, .vector = {0.2, 0.6, 0.1}, .color = {0.6f, 0.6f, 0.6f}};
+    for (int k = 0; k < 3; ++k)
+        scene->ambient[k] = 0;
+    check_ok(gw_stage_open(&stages[2], scene, NULL,
+                           (const char *const[]){"octree_depth=7", "occlusion_cones=6",
+                                                 "occlusion_distance=2", "diffuse_bounce=all", NULL},
+                           &error));
+    gw_camera_look(&camera, &stages[2], (const double[]){0.7, 0.4, 0.8}, (const double[]){-0.6, -0.5, -0.7},
+                   50, SIDE);
+    gw_renderer *renderer = gw_stage_renderer(&stages[2]);
+    uint8_t *sharp = gw_camera_take(&camera, renderer, NULL);
+    for (int g = 0; g < 2; ++g) {
+        double change[RINGS], coarse[RINGS], towards[3];
+        gw_camera gazed = camera;
+        gw_camera_gaze(&gazed, gazes[g][0], gazes[g][1], 6);
+        gw_camera_ray(&gazed, (uint32_t)gazes[g][0], (uint32_t)gazes[g][1], towards);
+        gazed.state.tau = 1;
+        change_by_ring(&gazed, renderer, towards, sharp, NULL, change);
+        gazed.state.tau = 6;
+        change_by_ring(&gazed, renderer, towards, sharp, NULL, coarse);
+        print_message("# strongest ring %.4f, of coarse voxels %.4f\n", strongest_ring(change),
+                      strongest_ring(coarse));
+        assert_true(fabs(change[0]) < 0.001);
+        assert_true(strongest_ring(change) < 0.01);
+        assert_true(strongest_ring(coarse) > 0.015);
+    }
+    free(sharp);
+    leave(2, &renderer);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(cones_come_near_many_rays),        cmocka_unit_test(a_closed_room_is_dark),
-        cmocka_unit_test(glowing_walls_light_each_other),   cmocka_unit_test(any_split_gives_the_same_bits),
-        cmocka_unit_test(no_ring_follows_the_gaze),         cmocka_unit_test(what_is_covered_passes_on_less),
-        cmocka_unit_test(cones_see_no_lamps_through_glass),
+        cmocka_unit_test(cones_come_near_many_rays),
+        cmocka_unit_test(a_closed_room_is_dark),
+        cmocka_unit_test(glowing_walls_light_each_other),
+        cmocka_unit_test(any_split_gives_the_same_bits),
+        cmocka_unit_test(no_ring_follows_the_gaze),
+        cmocka_unit_test(no_ring_follows_the_gaze_in_a_lit_room),
+        cmocka_unit_test(what_is_covered_passes_on_less),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -192,6 +192,79 @@ static void even_skies_need_no_shadow_rays(void **state) {
     gw_stage_close(&stage);
 }
 
+static const double white_of_floor = 0.8;
+
+/* A floor of 2 m; and over it, if `glass` is given, a sheet with this index of refraction as wide as the sky.
+ */
+static gw_scene *floor_under(float glass, int with_sun) {
+    gw_mesh mesh = {0};
+    gw_mesh_add_grid(&mesh, (const double[]){-1, 0, -1}, (const double[]){0, 0, 2}, (const double[]){2, 0, 0},
+                     4, 4);
+    gw_mesh_add_grid(&mesh, (const double[]){-40, glass > 0 ? 0.5 : -0.5, -40}, (const double[]){0, 0, 80},
+                     (const double[]){80, 0, 0}, 8, 8);
+    gw_scene *scene = gw_mesh_take(&mesh);
+    scene->materials = realloc(scene->materials, 2 * sizeof *scene->materials);
+    scene->extensions = malloc(2 * sizeof *scene->extensions);
+    assert_true(scene->materials && scene->extensions);
+    scene->material_count = 2;
+    scene->materials[1] = scene->materials[0];
+    for (int i = 0; i < 2; ++i) {
+        scene->extensions[i] = gw_material_extension_none();
+        scene->extensions[i].specular = i == 0 ? 0 : 1;
+        scene->materials[i].metalness = 0;
+        scene->materials[i].roughness = i == 0 ? 1 : 0;
+        for (int k = 0; k < 3; ++k)
+            scene->materials[i].base_color[k] = i == 0 ? (float)white_of_floor : 1;
+    }
+    scene->extensions[1].transmission = 1;
+    scene->extensions[1].ior = fmaxf(glass, 1);
+    for (uint32_t t = 0; t < scene->triangle_count; ++t) {
+        const float height = scene->positions[3 * (size_t)scene->triangles[t][0] + 1]; /* about the middle */
+        scene->material_of[t] = glass > 0 ? height > 0 : height < 0;
+    }
+    for (int k = 0; k < 3; ++k)
+        scene->ambient[k] = scene->background[k] = 0;
+    gw_give_sky(scene, with_sun);
+    return scene;
+}
+
+/* Mean light of the floor's pixels. */
+static double light_under(float glass, int with_sun, const char *shaders) {
+    gw_stage stage;
+    gw_camera camera;
+    check_ok(
+        gw_stage_open(&stage, floor_under(glass, with_sun), shaders,
+                      (const char *const[]){"octree_depth=8", "occlusion_cones=6", "occlusion_distance=2",
+                                            "diffuse_bounce=on", "accumulate=16", NULL},
+                      &error));
+    gw_camera_look(&camera, &stage, (const double[]){0, 0.4, 0.3}, (const double[]){0, 0, 0}, 40, SIDE / 2);
+    uint8_t *pixels = gw_stage_take(&stage, &camera, NULL, NULL);
+    const double light = gw_mean_linear(pixels, PIXELS / 4);
+    free(pixels);
+    gw_stage_close(&stage);
+    return light;
+}
+
+/* Glass of index 1 cannot be seen: what stands beneath it has the light of the open sky, once. Lights stand
+ * for the sun, and shine through the glass themselves; where cones see it there, too, it lights twice. */
+static void cones_see_no_lamps_through_glass(void **state) {
+    char folder[512];
+    (void)state;
+    const char *twice = gw_naive_shaders(folder, "lamps-twice", "shade/secondary_light.glsl", "LAMPS_TWICE");
+    const double share = white_of_floor / 3.14159265358979, sun = share * gw_sky_irradiance_of_sun();
+    for (int with_sun = 0; with_sun < 2; ++with_sun) {
+        const double wanted = share * 0.5 * 3.14159265358979 + with_sun * sun;
+        const double open = light_under(0, with_sun, NULL), beneath = light_under(1, with_sun, NULL);
+        print_message("# %s: %.4f wanted, %.4f in the open, %.4f beneath glass\n",
+                      with_sun ? "sun" : "even sky", wanted, open, beneath);
+        assert_true(fabs(open - wanted) < 0.02 * wanted);
+        assert_true(fabs(beneath - wanted) < 0.03 * wanted); /* the picture is blurred across the horizon */
+    }
+    const double naive = light_under(1, 1, twice), wanted = share * 0.5 * 3.14159265358979 + sun;
+    print_message("# sun, seen by cones too: %.4f beneath glass\n", naive);
+    assert_true(naive > wanted + 0.5 * sun); /* the naive rule fails */
+}
+
 /* Mean over the floor of what is seen over what is given, and the worst pixel's deviation from it. */
 static double mean_ratio(const gw_light *light, double (*given)(const gw_light *, const double[3])) {
     gw_stage stage;
@@ -414,6 +487,7 @@ int main(void) {
         cmocka_unit_test(spots_follow_the_standard),
         cmocka_unit_test(suns_of_environments_cast_shadows),
         cmocka_unit_test(even_skies_need_no_shadow_rays),
+        cmocka_unit_test(cones_see_no_lamps_through_glass),
         cmocka_unit_test(extents_keep_energy),
         cmocka_unit_test(penumbrae_are_as_wide_as_the_sun),
         cmocka_unit_test(rays_of_a_pixel_see_a_light_in_several_places),

@@ -17,7 +17,8 @@
 
 /* The words that the launcher put before the user's. */
 static int is_own_word(const char *word) {
-    return !strncmp(word, "--verb=", 7) || !strncmp(word, "--link=", 7);
+    return !strncmp(word, "--verb=", 7) || !strncmp(word, "--link=", 7) ||
+           !strncmp(word, "--profile-text=", 15);
 }
 
 /* The command as the user gave it. */

@@ -52,6 +52,7 @@ static gw_code make_command(const gw_launch_plan *plan, const gw_link_listener *
                                 .program = path,
                                 .verb = plan->verb,
                                 .agent = plan->agent,
+                                .carried = plan->carried,
                                 .argc = plan->argc,
                                 .argv = plan->argv};
     if (listener) {

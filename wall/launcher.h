@@ -8,16 +8,18 @@
 #include "base/status.h"
 #include "wall/console.h"
 #include "wall/hosts.h"
+#include "wall/mpirun_command.h"
 #include "wall/site.h"
 
 typedef struct gw_launch_plan {
     const gw_site *site; /* a rank for each tile */
     const gw_hosts *hosts;
     gw_console *console;
-    double load_deadline; /* s until all ranks must be ready */
-    const char *verb;     /* "sim" or "wall" */
-    const char *agent;    /* command that starts programs on other hosts in place of ssh, or NULL */
-    int argc;             /* the user's words, which the ranks read again; argv[0] is the verb */
+    double load_deadline;    /* s until all ranks must be ready */
+    const char *verb;        /* "sim" or "wall" */
+    const char *agent;       /* command that starts programs on other hosts in place of ssh, or NULL */
+    const gw_words *carried; /* words for the ranks, before the user's */
+    int argc;                /* the user's words, which the ranks read again; argv[0] is the verb */
     char **argv;
 } gw_launch_plan;
 

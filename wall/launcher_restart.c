@@ -130,6 +130,7 @@ static void start(gw_launcher *l, uint32_t tile) {
                                 .program = path,
                                 .verb = plan->verb,
                                 .agent = plan->agent,
+                                .carried = plan->carried,
                                 .argc = plan->argc,
                                 .argv = plan->argv};
     restart->wanted = 0;

@@ -398,6 +398,7 @@ static gw_code set_exact(gw_settings *settings, const gw_knob *knob, gw_error *e
 gw_code gw_ledger_exact(const gw_settings *settings, const gw_knob *swept, gw_ledger_frame *out,
                         gw_error *error) {
     *out = (gw_ledger_frame){.settings = *settings, .exact = 1};
+    out->settings.gaze_rule = GW_GAZE_ACUITY; /* nobody looks; that of the paper coarsens all the same */
     gw_code code = GW_OK;
     for (size_t i = 0; i < gw_knob_count && !code; i++) {
         const gw_knob *knob = &gw_knobs[i];

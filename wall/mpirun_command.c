@@ -132,6 +132,8 @@ void gw_rank_words(const gw_mpirun_plan *plan, const gw_host *host, const char *
         gw_words_add(out, "--link=%s", host->here ? listener->local_name : listener->network_name);
     if (rejoin)
         gw_words_add(out, "--rejoin=%s", rejoin);
+    for (size_t i = 0; i < plan->carried->count; i++)
+        gw_words_add(out, "%s", plan->carried->word[i]);
     for (int i = 1; i < plan->argc; i++)
         if (strcmp(plan->argv[i], "--dry-run") != 0)
             gw_words_add(out, "%s", plan->argv[i]);

@@ -29,6 +29,7 @@ typedef struct gw_mpirun_plan {
     const char *program;              /* path of this program, the same on every host */
     const char *verb;                 /* "sim" or "wall" */
     const char *agent;                /* command in place of ssh, or NULL */
+    const gw_words *carried;          /* words before the user's: files that not every host may have */
     int argc;                         /* the user's words, which the ranks read again; argv[0] is the verb */
     char **argv;
 } gw_mpirun_plan;

@@ -205,6 +205,7 @@ enum {
     KEY_SCENE = 0x1000,
     KEY_SET,
     KEY_PROFILE,
+    KEY_PROFILE_TEXT,
     KEY_TAU,
     KEY_SAMPLES,
     KEY_SEED,
@@ -240,6 +241,7 @@ static const struct argp_option scene_options[] = {
      "comes "
      "later on the command line holds over it",
      10},
+    {"profile-text", KEY_PROFILE_TEXT, "TEXT", OPTION_HIDDEN, NULL, 10},
     {"animation", KEY_ANIMATION, "NAME", 0,
      "the animation of a glTF file that plays, looped: its name, its number from 0, all, or none; default: "
      "the "
@@ -349,6 +351,25 @@ static gw_code set_kernels(gw_draw_options *options, const char *way) {
                    "--kernels '%s' is no way; it is auto, at-once or background", way);
 }
 
+/* What the launcher has read counts; a rank on another host may have no such file, or another. */
+static gw_code take_profile(gw_draw_options *options, const char *word) {
+    const size_t length = strlen(word);
+    const char *text = NULL;
+    for (size_t i = 0; i < options->carried_count; i++)
+        if (!strncmp(options->carried[i], word, length) && options->carried[i][length] == '\n')
+            text = options->carried[i] + length + 1;
+    if (options->profile_count == GW_CARRIED_PROFILES)
+        return gw_fail(options->error, GW_BAD_INPUT, "--profile: %d of them are the most",
+                       GW_CARRIED_PROFILES);
+    options->profiles[options->profile_count++] = word;
+    gw_code code = text ? gw_profile_parse(text, strlen(text), word, &options->settings, &options->profile,
+                                           options->error)
+                        : gw_profile_apply(word, &options->settings, &options->profile, options->error);
+    if (text)
+        snprintf(options->profile.file, sizeof options->profile.file, "%.255s", word);
+    return code ? gw_context(options->error, "--profile") : GW_OK;
+}
+
 static error_t parse_draw(int key, char *argument, struct argp_state *state) {
     gw_draw_options *options = state->input;
     gw_error *error = options->error;
@@ -367,9 +388,11 @@ static error_t parse_draw(int key, char *argument, struct argp_state *state) {
             gw_context(error, "--set");
         break;
     case KEY_PROFILE:
-        code = gw_profile_apply(argument, &options->settings, &options->profile, error);
-        if (code)
-            gw_context(error, "--profile");
+        code = take_profile(options, argument);
+        break;
+    case KEY_PROFILE_TEXT:
+        if (options->carried_count < GW_CARRIED_PROFILES)
+            options->carried[options->carried_count++] = argument;
         break;
     case KEY_TAU:
         code = set_by_name(options, "tau", argument);

@@ -15,6 +15,8 @@
 #include <argp.h>
 #include <stdint.h>
 
+enum { GW_CARRIED_PROFILES = 4 };
+
 /* The options common to all drawing verbs. Texts point into argv. */
 typedef struct gw_draw_options {
     gw_error *error;       /* where the parser leaves its sentence; set before parsing */
@@ -27,6 +29,11 @@ typedef struct gw_draw_options {
     int keeps;             /* the verb keeps octrees unless told otherwise */
     gw_settings settings;
     gw_profile profile; /* that they started from */
+    size_t carried_count;
+    const char *carried[GW_CARRIED_PROFILES]; /* "WORD\nTEXT": files that --profile WORD names, read where the
+                                                 wall was launched */
+    size_t profile_count;
+    const char *profiles[GW_CARRIED_PROFILES]; /* the words of --profile, for the ranks to be given */
     uint32_t seed;
     double time; /* s */
     gw_debug_view debug;

@@ -110,6 +110,19 @@ done
 has "by name" "$(grep 'rank 2 (tile c2r0)' one.log)" "on wall3"
 is "each host keeps what it was sent" "$(find wall2.home wall3.home -name 'block-*.gwb' | wc -l)" 4
 nothing_is_left "three machines"
+# A profile that only this machine has comes with the command.
+mkdir -p own
+printf 'profile: mine\nabout: "it'"'"'s \\"mine\\""\nsettings:\n  tau: 3\n  samples: 2\n' >own/mine.yaml
+for host in wall2 wall3; do
+    on_host $host mount -t tmpfs tmpfs "$folder/own"
+done
+is "one machine with a profile" "$("$program" sim "${common[@]}" --frames 1 --profile own/mine.yaml --report sim.json --quiet && echo drawn)" drawn
+wall profiled --frames 1 --profile own/mine.yaml
+is "a profile that the hosts have not: the same pixels" "$(json profiled.json '["image"]["hash"]')" "$(json sim.json '["image"]["hash"]')"
+is "which it changes" "$([ "$(json profiled.json '["image"]["hash"]')" = "$(json one.json '["image"]["hash"]')" ] || echo changed)" changed
+is "and the report has it" "$(json profiled.json '["profile"]["name"]') $(json profiled.json '["profile"]["file"]')" "mine own/mine.yaml"
+is "the command is the user's" "$(json profiled.json '["command"]' | grep -c profile-text)" 0
+
 wall two --frames 1
 has "the second time nothing is sent" "$(cat two.log)" "every machine has kept it"
 sh -c "$dry" >dry.out 2>dry.log &

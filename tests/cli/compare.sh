@@ -55,6 +55,47 @@ width = 25.4 * d["diagonal_size_inches"] / math.hypot(*d["resolution"]) * d["res
 print(d["resolution"], d["max_luminance"], round(width), 1 < d["viewing_distance_meters"] < 3)' \
     "$folder/pairs/display_models.json")" "[48, 32] 250.0 2000 True"
 
+# As a program that knows only the table in docs/metrics.md and FovVideoVDP's own formulas would read it.
+is "and all of the export is as a reader of its own finds it" "$(python3 -I -S -c 'import csv, json, math, os, sys, zlib
+folder = sys.argv[1]
+def picture(name):
+    data = open(os.path.join(folder, name), "rb").read()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n", name
+    at, packed = 8, b""
+    while at < len(data):
+        size, kind = int.from_bytes(data[at:at + 4], "big"), data[at + 4:at + 8]
+        body = data[at + 8:at + 8 + size]
+        assert zlib.crc32(kind + body) == int.from_bytes(data[at + 8 + size:at + 12 + size], "big"), name
+        head = body if kind == b"IHDR" else head
+        packed += body if kind == b"IDAT" else b""
+        at += 12 + size
+    width, height, depth, colour = int.from_bytes(head[:4], "big"), int.from_bytes(head[4:8], "big"), head[8], head[9]
+    channels = {2: 3, 6: 4}[colour]
+    assert depth == 8 and len(zlib.decompress(packed)) == height * (1 + channels * width), name
+    return width, height
+rows = list(csv.DictReader(open(os.path.join(folder, "fixations.csv"))))
+names = ["%s-%05d.png" % (kind, i) for kind in ("reference", "test") for i in range(len(rows))]
+assert sorted(os.listdir(folder)) == sorted(names + ["display_models.json", "fixations.csv"]), os.listdir(folder)
+(name, display), = json.load(open(os.path.join(folder, "display_models.json"))).items()
+width, height = display["resolution"]
+assert name == "gazewall" and {picture(n) for n in names} == {(width, height)}
+run = list(csv.DictReader(open(sys.argv[2])))
+assert len(run) == len(rows) and [int(r["frame"]) for r in rows] == list(range(len(rows)))
+for r, other in zip(rows, run):
+    assert abs(float(r["time_s"]) - float(other["time_s"])) < 1e-6
+    assert (r["x"], r["y"]) == (other["gaze_x_px"], other["gaze_y_px"])
+    assert r["x"] == "" or math.isfinite(float(r["x"])) and math.isfinite(float(r["y"]))
+distances = [float(r["distance_mm"]) for r in rows]
+assert abs(display["viewing_distance_meters"] - sum(distances) / len(distances) / 1000) < 1e-4
+# vvdp_display_geometry: size from the diagonal, pixels a degree in the middle of the display.
+ratio, diagonal = width / height, display["diagonal_size_inches"] * 25.4
+height_mm = math.sqrt(diagonal ** 2 / (1 + ratio ** 2))
+size = math.degrees(2 * math.atan(0.5 * ratio * height_mm / width / 1000 / display["viewing_distance_meters"]))
+density = sum(float(r["px_per_degree"]) for r in run) / len(run)
+assert abs(ratio * height_mm - 2000) < 1 and abs(1 / size * 2000 / width / math.tan(math.radians(1)) / (sum(distances) / len(distances)) - 1) < 0.01
+assert abs(max(1 / size, 1) / density - 1) < 0.02, (1 / size, density)
+print(len(rows), width, height)' "$folder/pairs" "$folder/run.csv")" "2 48 32"
+
 expect "no picture" 2 "say what to compare" compare
 expect "one picture" 2 "say what to compare" compare "$exact"
 expect "three pictures" 2 "one picture too many" compare "$exact" "$other" "$exact"

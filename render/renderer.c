@@ -212,7 +212,7 @@ void gw_renderer_ray_memory(const gw_renderer *renderer, const gw_settings *sett
                              ~renderer->forbidden_features & GW_SECONDARY_FEATURES;
     const uint32_t bounces = asks ? state.bounces : 0;
     const uint64_t shadows = renderer->scene_features & GW_FEATURE_SHADOWS
-                                 ? gw_shadow_ray_bytes(fragments, light_count(renderer))
+                                 ? gw_shadow_ray_bytes(fragments, light_count(renderer), has_media(renderer))
                                  : 0;
     *bytes = bytes_of_ray(renderer, fragments, 1) + shadows;
     *bytes += bounces * (gw_secondary_ray_bytes(fragments, asks & GW_CONE_FEATURES ? state.cones : 0, asks) +

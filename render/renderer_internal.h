@@ -257,7 +257,7 @@ gw_code gw_frame_shadows(gw_frame_job *job, size_t slots, int resume, gw_error *
 void gw_shadow_buffers_finish(gw_shadow_buffers *buffers);
 uint64_t gw_shadow_buffers_bytes(const gw_shadow_buffers *buffers);
 /* Room that one ray may need for its shadow rays. */
-uint64_t gw_shadow_ray_bytes(uint32_t fragments, uint32_t lights);
+uint64_t gw_shadow_ray_bytes(uint32_t fragments, uint32_t lights, int tinted);
 /* renderer_secondary.c: what the rays bring that what was met asks for; as gw_frame_shadows, and before it.
  * How a kind of ray is added stands in shaders/shade/secondary_kinds.glsl. */
 gw_code gw_frame_secondary(gw_frame_job *job, size_t slots, int resume, gw_error *error);

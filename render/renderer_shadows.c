@@ -18,25 +18,31 @@ uint64_t gw_shadow_buffers_bytes(const gw_shadow_buffers *buffers) {
            buffers->queues[1].size;
 }
 
-uint64_t gw_shadow_ray_bytes(uint32_t fragments, uint32_t lights) {
-    return ((uint64_t)fragments * 2 + GW_KEPT_WORDS) * lights * sizeof(uint32_t) +
-           (GW_STATE_WORDS + 2) * sizeof(uint32_t);
+static uint32_t state_words(int tinted) {
+    return tinted ? GW_STATE_WORDS + GW_TINT_STATE_WORDS : GW_STATE_WORDS;
 }
 
-/* words: visibilities, and behind them what is kept from round to round. */
+uint64_t gw_shadow_ray_bytes(uint32_t fragments, uint32_t lights, int tinted) {
+    const uint64_t colors = tinted ? (uint64_t)fragments + GW_KEPT_WORDS : 0;
+    return ((uint64_t)fragments * 2 + GW_KEPT_WORDS + colors) * lights * sizeof(uint32_t) +
+           (state_words(tinted) + 2) * sizeof(uint32_t);
+}
+
+/* words: visibilities, and behind them what is kept from round to round; as many for their colours. */
 static gw_code reserve(const gw_frame_job *job, size_t places, size_t words, gw_error *error) {
     gw_renderer *renderer = job->renderer;
     gw_shadow_buffers *shadows = job->shadows;
     size_t batch = gw_renderer_chunk_slots(renderer);
     if (batch > places)
         batch = places;
-    gw_code code =
-        gw_renderer_grow(renderer, &shadows->visibilities, "visibilities", words * sizeof(uint32_t), error);
+    const int tinted = (job->key.features & GW_FEATURE_TRANSMISSION) != 0;
+    gw_code code = gw_renderer_grow(renderer, &shadows->visibilities, "visibilities",
+                                    (tinted ? 2 : 1) * words * sizeof(uint32_t), error);
     if (!code)
         code = gw_renderer_grow(renderer, &shadows->rays, "shadow rays", places * sizeof(uint32_t), error);
     if (!code)
         code = gw_renderer_grow(renderer, &shadows->states, "shadow ray states",
-                                batch * GW_STATE_WORDS * sizeof(uint32_t), error);
+                                batch * state_words(tinted) * sizeof(uint32_t), error);
     for (int i = 0; !code && i < 2; ++i)
         code = gw_renderer_grow(renderer, &shadows->queues[i], "shadow ray queue", batch * sizeof(uint32_t),
                                 error);
@@ -114,11 +120,11 @@ static gw_code list_rays(gw_frame_job *job, size_t slots, int resume, uint32_t k
 
 static gw_code trace_batch(gw_frame_job *job, gw_features lod, uint32_t begin, uint32_t count,
                            gw_error *error) {
-    const gw_features features = lod | GW_FEATURE_GAZE | GW_FEATURE_SPARSE | GW_FEATURE_ALPHA |
-                                 GW_FEATURE_TEXTURES | GW_FEATURE_VERTEX_COLORS | GW_FEATURE_WIDE_NODES |
-                                 GW_FEATURE_TRANSMISSION | GW_FEATURE_DENSE_LEAVES | GW_FEATURE_SPOT_LIGHTS |
-                                 GW_FEATURE_AREA_LIGHTS | GW_FEATURE_EMISSIVE_LIGHTS |
-                                 GW_FEATURE_TRANSMISSION_MAPS | GW_FEATURE_MAP_PLACEMENT;
+    const gw_features features =
+        lod | GW_FEATURE_GAZE | GW_FEATURE_SPARSE | GW_FEATURE_ALPHA | GW_FEATURE_TEXTURES |
+        GW_FEATURE_VERTEX_COLORS | GW_FEATURE_WIDE_NODES | GW_FEATURE_TRANSMISSION | GW_FEATURE_ABSORPTION |
+        GW_FEATURE_DENSE_LEAVES | GW_FEATURE_SPOT_LIGHTS | GW_FEATURE_AREA_LIGHTS |
+        GW_FEATURE_EMISSIVE_LIGHTS | GW_FEATURE_TRANSMISSION_MAPS | GW_FEATURE_MAP_PLACEMENT;
     gw_renderer *renderer = job->renderer;
     gw_shadow_buffers *shadows = job->shadows;
     gw_code code = GW_OK;

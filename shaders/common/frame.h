@@ -172,7 +172,10 @@ GW_STRUCT_END(gw_emissive_slot)
 // A suspended ray's state (trace/state.glsl), in words; shading needs to know where its transmittance and group opacity are.
 #define GW_STATE_WORDS 16u
 #define GW_STATE_TRANSMITTANCE 8u
-// Visibilities of fragments are float bits, 0 to 1, or with GW_SERVED the place where another's stand.
+// More of them for shadow rays through what lets light through.
+#define GW_TINT_STATE_WORDS 9u
+// Visibilities of fragments are float bits, 0 to 1, or with GW_SERVED the place where another's stand. With TRANSMISSION the second half
+// of the buffer holds their colours, 10 bits a channel.
 #define GW_SERVED 0x80000000u
 #define GW_NO_PLACE 0xffffffffu
 #define GW_KEPT_WORDS 3u

@@ -67,23 +67,18 @@ Optics optics_of(uint id, vec3 direction, vec3 normal, float metalness, float pa
     return optics;
 }
 
-// What share of a light passes a surface on its straight way, as a shadow shows it: bent rays would need a search. Luminance; of
-// a medium each surface takes half of what its thickness absorbs.
-float straight_through(uint triangle, Surface surface, vec3 direction) {
+// What of a light passes a surface on its straight way, as a shadow shows it: bent rays would need a search. What a medium absorbs
+// between its surfaces is not in it.
+vec3 straight_through(uint triangle, Surface surface, vec3 direction) {
     uint material = texelFetch(faces, int(triangle)).w;
     vec4 row = extension_row(material, GW_EXTENSION_TRANSMISSION);
-    bool sheer = (TRIANGLE(triangle, 0).w & GW_TRIANGLE_SHEER) != 0u;
+    uint flags = TRIANGLE(triangle, 0).w;
     float cosine_beyond;
     float cosine = clamp(abs(dot(surface.normal, normalize(direction))), 1e-4, 1.0);
     precise float through = (1.0 - fresnel_dielectric(1.0 / max(row.y, 1.0), cosine, cosine_beyond)) * row.x *
                             (1.0 - surface.metalness) * passing_of(surface);
-    vec3 color = surface.base_color;
-#ifdef ABSORPTION
-    precise vec3 depth = extension_row(material, GW_EXTENSION_ATTENUATION).rgb * (0.5 * row.z);
-    color *= exp(-min(depth, vec3(80.0)));
-#endif
-    precise float seen = through * dot(color, vec3(0.2126, 0.7152, 0.0722));
-    return sheer ? seen : 0.0;
+    precise vec3 seen = through * ((flags & GW_TRIANGLE_BOUNDARY) != 0u ? sqrt(surface.base_color) : surface.base_color);
+    return (flags & GW_TRIANGLE_SHEER) != 0u ? seen : vec3(0.0);
 }
 
 // A colour of the surface that a medium's light passes twice, on the way in and out, a sheet's once.

@@ -50,12 +50,16 @@ layout(location = 2) uniform uint batch_begin;
 #ifdef LOD
 Shadow_ray shadow;
 #ifdef ALPHA
+#ifdef TRANSMISSION
+#include "shade/shadow_tint.glsl"
+#endif
+
 // Opacity of the triangle that the ray has met at t.
 float alpha_of_hit(uint triangle, float t) {
     precise float width = max(shadow.width - shadow.narrowing * t, 0.0);
     Surface surface = surface_of_triangle(triangle, t, ray_origin, ray_direction, width);
 #ifdef TRANSMISSION
-    surface.alpha *= 1.0 - straight_through(triangle, surface, ray_direction);
+    surface.alpha = tinted_alpha(triangle, surface, t);
 #endif
     return surface.alpha;
 }
@@ -100,6 +104,9 @@ void begin(Shadow_ray ray, float tau) {
 #if defined(ALPHA)
     hit_flags = 0u;
 #endif
+#ifdef TRANSMISSION
+    begin_tint();
+#endif
 }
 
 void main() {
@@ -137,6 +144,9 @@ void main() {
 #ifdef LOD
         float left = remaining();
         visibilities[place] = floatBitsToUint(left >= OPAQUE_REMAINDER ? left : 0.0);
+#ifdef TRANSMISSION
+        visibilities[place + uint(visibilities.length()) / 2u] = tint_word(ray.maximum);
+#endif
 #else
         visibilities[place] = floatBitsToUint(hit_triangle == GW_NO_TRIANGLE ? 1.0 : 0.0);
 #endif

@@ -7,9 +7,15 @@ layout(std430, binding = 2) buffer States { uint states[]; };
 #if defined(LOD_STATE) || defined(ALPHA)
 #define OPACITY_STATE
 #endif
+#if defined(SHADOW_RAYS) && defined(TRANSMISSION)
+#define TINT_STATE
+#define STATE_WORDS (GW_STATE_WORDS + GW_TINT_STATE_WORDS)
+#else
+#define STATE_WORDS GW_STATE_WORDS
+#endif
 
 void state_save(uint slot) {
-    uint at = slot * GW_STATE_WORDS;
+    uint at = slot * STATE_WORDS;
     uint modes = uint(cell.z);
 #ifdef LOD_STATE
     modes |= (uint(scale) << 16) | (uint(voxel_scale) << 21) | (uint(leaf_again) << 26) | (uint(in_root) << 27) |
@@ -37,6 +43,13 @@ void state_save(uint slot) {
     states[at + 13u] = floatBitsToUint(group_lean);
     states[at + 14u] = floatBitsToUint(voxel_given);
     states[at + 15u] = floatBitsToUint(outer_share);
+#endif
+#ifdef TINT_STATE
+    for (int i = 0; i < 3; ++i) {
+        states[at + GW_STATE_WORDS + uint(i)] = floatBitsToUint(tint[i]);
+        states[at + GW_STATE_WORDS + 3u + uint(i)] = floatBitsToUint(optical_depth[i]);
+        states[at + GW_STATE_WORDS + 6u + uint(i)] = floatBitsToUint(open_absorption[i]);
+    }
 #endif
 }
 
@@ -82,7 +95,7 @@ void descend_to(int target) {
 
 // After enter_root.
 void state_load(uint slot) {
-    uint at = slot * GW_STATE_WORDS;
+    uint at = slot * STATE_WORDS;
     uint modes = states[at + 1u];
     cell = ivec3(states[at] & 0xffffu, states[at] >> 16, modes & 0xffffu);
     cell_entry = uintBitsToFloat(states[at + 2u]);
@@ -109,6 +122,13 @@ void state_load(uint slot) {
 #endif
 #ifdef ALPHA
     hit_flags = (modes >> 29) & 1u;
+#endif
+#ifdef TINT_STATE
+    for (int i = 0; i < 3; ++i) {
+        tint[i] = uintBitsToFloat(states[at + GW_STATE_WORDS + uint(i)]);
+        optical_depth[i] = uintBitsToFloat(states[at + GW_STATE_WORDS + 3u + uint(i)]);
+        open_absorption[i] = uintBitsToFloat(states[at + GW_STATE_WORDS + 6u + uint(i)]);
+    }
 #endif
 #ifdef LOD
     descend_to(int((modes >> 16) & 31u));

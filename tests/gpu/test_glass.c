@@ -22,19 +22,6 @@ enum {
 /* --- scenes -----------------------------------------------------------------------------------------------
  */
 
-static void add_box(gw_mesh *mesh, const double low[3], const double high[3]) {
-    static const uint8_t faces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
-                                        {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
-    uint32_t corner[8];
-    for (int i = 0; i < 8; ++i)
-        corner[i] =
-            gw_mesh_point(mesh, i & 1 ? high[0] : low[0], i & 2 ? high[1] : low[1], i & 4 ? high[2] : low[2]);
-    for (int f = 0; f < 6; ++f) {
-        gw_mesh_triangle(mesh, corner[faces[f][0]], corner[faces[f][1]], corner[faces[f][2]]);
-        gw_mesh_triangle(mesh, corner[faces[f][0]], corner[faces[f][2]], corner[faces[f][3]]);
-    }
-}
-
 /* Right-angled, its edge along y: the short sides look at +z and -x. */
 static void add_prism(gw_mesh *mesh, double size, double height) {
     uint32_t p[2][3];
@@ -345,7 +332,7 @@ static void glass_bends_and_reflects_as_the_oracle_says(void **state) {
     (void)state;
     model m = {.marked = 0};
     add_stripes(&m);
-    add_box(&m.mesh, (const double[]){-0.7, -0.6, -0.2}, (const double[]){0.7, 0.6, 0.2});
+    gw_mesh_add_box(&m.mesh, (const double[]){-0.7, -0.6, -0.2}, (const double[]){0.7, 0.6, 0.2});
     mark(&m, GLASS);
     gw_scene *slab = scene_of(&m, 1, 0.05, 0);
     slab->extensions[GLASS].attenuation_distance = 0.5f;
@@ -366,7 +353,7 @@ static void glass_bends_and_reflects_as_the_oracle_says(void **state) {
 
     m = (model){.marked = 0};
     add_stripes(&m);
-    add_box(&m.mesh, (const double[]){-0.7, -0.6, -0.2}, (const double[]){0.7, 0.6, 0.2});
+    gw_mesh_add_box(&m.mesh, (const double[]){-0.7, -0.6, -0.2}, (const double[]){0.7, 0.6, 0.2});
     mark(&m, GLASS);
     assert_true(wrong_of("sheets", scene_of(&m, 0, 0.05, 0), &before, air, NULL) <= 6);
 }
@@ -376,18 +363,18 @@ static gw_scene *aquarium(double over) {
     model m = {.marked = 0};
     add_stripes(&m);
     const double x = 0.5 + over, y = 0.4 + over, z = 0.3 + over;
-    add_box(&m.mesh, (const double[]){-0.7, -0.6, -0.5}, (const double[]){0.7, 0.6, 0.5});
+    gw_mesh_add_box(&m.mesh, (const double[]){-0.7, -0.6, -0.5}, (const double[]){0.7, 0.6, 0.5});
     mark(&m, GLASS);
     /* The wall's inner side looks inwards. */
     const size_t first = m.mesh.triangle_count;
-    add_box(&m.mesh, (const double[]){-0.5, -0.4, -0.3}, (const double[]){0.5, 0.4, 0.3});
+    gw_mesh_add_box(&m.mesh, (const double[]){-0.5, -0.4, -0.3}, (const double[]){0.5, 0.4, 0.3});
     for (size_t t = first; t < m.mesh.triangle_count; ++t) {
         const uint32_t second = m.mesh.triangles[t][1];
         m.mesh.triangles[t][1] = m.mesh.triangles[t][2];
         m.mesh.triangles[t][2] = second;
     }
     mark(&m, GLASS);
-    add_box(&m.mesh, (const double[]){-x, -y, -z}, (const double[]){x, y, z});
+    gw_mesh_add_box(&m.mesh, (const double[]){-x, -y, -z}, (const double[]){x, y, z});
     mark(&m, WATER);
     return scene_of(&m, 1, 0.05, 0);
 }
@@ -422,7 +409,7 @@ static void a_viewer_in_glass_knows(void **state) {
     (void)state;
     model m = {.marked = 0};
     add_stripes(&m);
-    add_box(&m.mesh, (const double[]){-0.7, -0.6, -0.2}, (const double[]){0.7, 0.6, 0.2});
+    gw_mesh_add_box(&m.mesh, (const double[]){-0.7, -0.6, -0.2}, (const double[]){0.7, 0.6, 0.2});
     mark(&m, GLASS);
     assert_true(wrong_of("in glass", scene_of(&m, 1, 0.05, 0), &inside, glass, NULL) <= 6);
 }
@@ -435,7 +422,7 @@ static void a_furnace_shows_nothing(void **state) {
     for (int k = 0; k < 2; ++k) {
         model m = {.marked = 0};
         gw_mesh_add_sphere(&m.mesh, (const double[]){-0.3, 0, 0}, 0.5, 0, 14, 8);
-        add_box(&m.mesh, (const double[]){0.1, -0.6, -0.8}, (const double[]){0.7, 0.2, -0.3});
+        gw_mesh_add_box(&m.mesh, (const double[]){0.1, -0.6, -0.8}, (const double[]){0.7, 0.2, -0.3});
         mark(&m, GLASS);
         gw_scene *scene = scene_of(&m, k, light, light * 3.14159265358979);
         gw_stage stage;

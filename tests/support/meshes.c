@@ -88,6 +88,19 @@ void gw_mesh_add_grid(gw_mesh *mesh, const double corner[3], const double edge_u
         }
 }
 
+void gw_mesh_add_box(gw_mesh *mesh, const double low[3], const double high[3]) {
+    static const uint8_t faces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                        {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+    uint32_t corner[8];
+    for (int i = 0; i < 8; ++i)
+        corner[i] =
+            gw_mesh_point(mesh, i & 1 ? high[0] : low[0], i & 2 ? high[1] : low[1], i & 4 ? high[2] : low[2]);
+    for (int f = 0; f < 6; ++f) {
+        gw_mesh_triangle(mesh, corner[faces[f][0]], corner[faces[f][1]], corner[faces[f][2]]);
+        gw_mesh_triangle(mesh, corner[faces[f][0]], corner[faces[f][2]], corner[faces[f][3]]);
+    }
+}
+
 void gw_mesh_add_tetrahedron(gw_mesh *mesh, const double centre[3], double size) {
     static const double corner[4][3] = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
     uint32_t v[4];

@@ -27,6 +27,8 @@ void gw_mesh_add_sphere(gw_mesh *mesh, const double centre[3], double radius, do
 /* Rectangle of columns x rows x 2 triangles from corner along two edges. */
 void gw_mesh_add_grid(gw_mesh *mesh, const double corner[3], const double edge_u[3], const double edge_v[3],
                       uint32_t columns, uint32_t rows);
+/* Box of twelve triangles, its edges along the axes. */
+void gw_mesh_add_box(gw_mesh *mesh, const double low[3], const double high[3]);
 /* Tetrahedron with vertices at centre + size * a regular one's. */
 void gw_mesh_add_tetrahedron(gw_mesh *mesh, const double centre[3], double size);
 

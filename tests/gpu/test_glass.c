@@ -551,6 +551,53 @@ static void sheets_cast_partial_shadows(void **state) {
     assert_true(fabs(light[2] / light[0] - 0.4) < 0.02);
 }
 
+/* A sheet whose map lets by none, a third, two thirds and all of the light, in columns. */
+static void a_map_of_transmission_is_shown_texel_by_texel(void **state) {
+    (void)state;
+    enum { COLUMNS = 4 };
+    static const look straight = {{0, 0, 3}, {0, 0, 0}, 36};
+    model m = {.marked = 0};
+    gw_mesh_add_grid(&m.mesh, (const double[]){-4, -4, -1}, (const double[]){8, 0, 0},
+                     (const double[]){0, 8, 0}, 1, 1);
+    mark(&m, 1);
+    gw_mesh_add_grid(&m.mesh, (const double[]){-1, -1, 0}, (const double[]){2, 0, 0},
+                     (const double[]){0, 2, 0}, 3, 3);
+    mark(&m, GLASS);
+    gw_scene *scene = scene_of(&m, 0, 0, 0);
+    gw_material_extension *e = &scene->extensions[GLASS];
+    e->ior = 1;
+    e->transmission_map = (gw_texture_use){.texture = 0, .to_uv = {{1, 0, 0}, {0, 1, 0}}};
+    scene->textures = calloc(1, sizeof *scene->textures);
+    assert_non_null(scene->textures);
+    scene->texture_count = 1;
+    scene->textures[0].nearest = 1;
+    check_ok(gw_image_create(COLUMNS, 1, &scene->textures[0].image, &error));
+    for (int i = 0; i < COLUMNS; ++i)
+        memcpy(scene->textures[0].image.rgba + i * 4, (const uint8_t[]){(uint8_t)(85 * i), 0, 0, 255}, 4);
+    for (uint32_t v = 0; v < scene->vertex_count; ++v)
+        scene->texcoords[v * 2] =
+            (float)((ldexp((double)scene->positions[v * 3], scene->exponent) + scene->centre[0] + 1) / 2);
+    gw_stage stage;
+    gw_camera camera;
+    open_stage(&stage, &camera, scene, &straight, NULL);
+    uint8_t *rgba = gw_stage_take(&stage, &camera, NULL, NULL);
+    int seen[COLUMNS] = {0};
+    for (uint32_t i = 0; i < PIXELS; ++i) {
+        double d[3];
+        gw_camera_ray(&camera, i % SIDE, i / SIDE, d);
+        const double column = (1 - 3 * d[0] / d[2]) * COLUMNS / 2;
+        const int k = (int)column;
+        if (fabs(column - round(column)) < 0.02)
+            continue;
+        ++seen[k];
+        assert_true(fabs(gw_srgb_code_to_linear(rgba[i * 4]) - 0.8 * k / 3) < 0.01);
+    }
+    for (int k = 0; k < COLUMNS; ++k)
+        assert_true(seen[k] > PIXELS / 8);
+    free(rgba);
+    gw_stage_close(&stage);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(glass_bends_and_reflects_as_the_oracle_says),
@@ -560,6 +607,7 @@ int main(void) {
         cmocka_unit_test(however_it_is_drawn_pixels_are_the_same),
         cmocka_unit_test(glass_never_becomes_a_voxel),
         cmocka_unit_test(sheets_cast_partial_shadows),
+        cmocka_unit_test(a_map_of_transmission_is_shown_texel_by_texel),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

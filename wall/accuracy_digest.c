@@ -27,9 +27,9 @@ static const gw_accuracy_curve *curve_of(const gw_accuracy_scene *scene, const g
 /* --- the model beside what was measured */
 
 static void put_models(FILE *page, const gw_accuracy *accuracy) {
-    fputs("## Predicted and measured\n\nBy how many times the predicted error grows more than the measured "
-          "one from "
-          "value to value, the factor farthest from 1; empty where the error does not move:\n\n| scene |",
+    fputs("## Predicted and measured\n\nBy how many times FLIP by the model (the predicted error to the "
+          "power 0.6) grows more than the measured one, the factor farthest from 1; empty where the model "
+          "has too little to tell:\n\n| scene |",
           page);
     for (size_t i = 0; i < gw_knob_count; i++)
         if (gw_knobs[i].model)

@@ -69,12 +69,16 @@ endif
 FLAGS_release := -O2 -g
 FLAGS_debug   := -Og -g3
 FLAGS_asan    := -O1 -g -fsanitize=address,undefined -fno-omit-frame-pointer
+FLAGS_tsan    := -O1 -g -fsanitize=thread -fno-omit-frame-pointer
 FLAGS_fuzz    := -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-omit-frame-pointer
 ifndef FLAGS_$(FLAVOUR)
-$(error FLAVOUR=$(FLAVOUR) is unknown: it is release, debug or asan)
+$(error FLAVOUR=$(FLAVOUR) is unknown: it is release, debug, asan or tsan)
 endif
 ifneq ($(filter asan fuzz,$(FLAVOUR)),)
 LINK_FLAVOUR := -fsanitize=address,undefined
+endif
+ifeq ($(FLAVOUR),tsan)
+LINK_FLAVOUR := -fsanitize=thread
 endif
 
 # Floats must not be contracted: the same expression has to give the same bits in every place and build.
@@ -114,7 +118,7 @@ ALL_OBJECTS := $(OBJECTS) $(TREE)/wall/main.o $(TEST_SUPPORT) $(TEST_SOURCES:%.c
 
 # --- targets ---------------------------------------------------------------------------------------------------------
 
-.PHONY: all setup demo tests test hard hard-full soak compare fuzz fuzz-programs tools lint format docs tracks demo-track moving-scene lit-scene record-ledger install clean help
+.PHONY: all setup demo tests test hard hard-full soak valgrind compare fuzz fuzz-programs tools lint format docs tracks demo-track moving-scene lit-scene record-ledger install clean help
 
 all: $(PROGRAMS) $(ARCHIVE) $(if $(PROGRAMS),$(OUT)/gazewall)
 
@@ -126,6 +130,7 @@ help:
 	@echo "make hard-full   ten million rays at vertices and edges, 2,000 nasty scenes: an hour on software GL"
 	@echo "make soak        200,000 frames through the gate at 35 tiles: nothing may grow (SOAK_FRAMES=n)"
 	@echo "make fuzz        each decoder on made-up input for a minute (clang; FUZZ_SECONDS=n, ONLY=dtrack picks one)"
+	@echo "make valgrind    the unit tests under valgrind's memcheck; ONLY=name picks some"
 	@echo "make compare     scenes beside Blender's Cycles into $(OUT)/compare; ONLY='chess sedan' picks (.ci/setup compare, tests/scenes.sh first)"
 	@echo "make tests       build the tests without running them"
 	@echo "make tools       build the tools of tests/tools: scene converter, demo track"
@@ -138,7 +143,7 @@ help:
 	@echo "make install     PREFIX=$(PREFIX) DESTDIR=$(DESTDIR)"
 	@echo "make setup       only install what is missing (groups of .ci/packages: run test lint extra)"
 	@echo "make clean       remove $(OUT)"
-	@echo "variables        OUT=folder FLAVOUR=release|debug|asan V=1 (show commands) WERROR=1 CC CFLAGS"
+	@echo "variables        OUT=folder FLAVOUR=release|debug|asan|tsan V=1 (show commands) WERROR=1 CC CFLAGS"
 
 setup:
 	$(quiet).ci/setup run test lint
@@ -168,6 +173,11 @@ hard-full: all tests
 SOAK_FRAMES ?= 200000
 soak: all
 	$(quiet)GAZEWALL='$(PROGRAM)' GW_SOAK_FRAMES='$(SOAK_FRAMES)' tests/mpi/gate_soak.sh
+
+# No GL here: Mesa's own code reads what memcheck takes for uninitialised.
+valgrind: all tests
+	$(quiet)GW_TEST_SECONDS=1800 GW_TEST_UNDER='valgrind --quiet --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite' \
+		tests/run.sh '$(TREE)' '$(or $(ONLY),unit/)'
 
 compare: all tools
 	$(quiet)PROGRAM='$(PROGRAM)' TOOL='$(TREE)/tests/tools/compare_pictures' tests/compare_cycles.sh $(ONLY)

@@ -35,7 +35,8 @@ static void set_limits(double seconds, uint64_t memory) {
     const struct rlimit time = {(rlim_t)seconds + 1, (rlim_t)seconds + 2};
     setrlimit(RLIMIT_CORE, &none);
     setrlimit(RLIMIT_CPU, &time);
-#ifndef __SANITIZE_ADDRESS__ /* the sanitizer's shadow needs all of the address space */
+#if !defined(__SANITIZE_ADDRESS__) &&                                                                        \
+    !defined(__SANITIZE_THREAD__) /* a sanitizer's shadow needs all of the address space */
     const struct rlimit space = {memory, memory};
     setrlimit(RLIMIT_AS, &space);
 #else

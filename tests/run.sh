@@ -37,6 +37,10 @@ MESA_SHADER_CACHE_DIR=$(cd "$tree" && pwd)/shader-cache
 export MESA_SHADER_CACHE_DIR
 # The packaged GL and MPI libraries leak at exit; leaks of our own are looked for in the tests that use neither.
 export UBSAN_OPTIONS="${UBSAN_OPTIONS:-print_stacktrace=1:halt_on_error=1}"
+export TSAN_OPTIONS="${TSAN_OPTIONS:-allocator_may_return_null=1:halt_on_error=1}"
+
+# What every test is started by, valgrind and its options, say.
+read -ra under <<<"${GW_TEST_UNDER:-}"
 
 mkdir -p "$logs"
 rm -f "$logs"/*.log
@@ -47,7 +51,7 @@ counts=$scratch/counts
 # Seconds after which a file of this kind counts as hanging. Software GL on a busy machine is slow.
 limit_of() {
     case $1 in
-    unit) echo 120 ;;
+    unit) echo "${GW_TEST_SECONDS:-120}" ;;
     gpu) echo 600 ;;
     *) echo 1200 ;;
     esac
@@ -88,11 +92,11 @@ run_file() {
     mkdir -p "$scratch/$kind-$name"
     start=$(date +%s.%N)
     GW_TEST_FOLDER=$scratch/$kind-$name ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=$leaks:allocator_may_return_null=1} \
-        timeout -k 10 "$(limit_of "$kind")" "$@" >"$log" 2>&1 </dev/null &
+        timeout -k 10 "$(limit_of "$kind")" "${under[@]}" "$@" >"$log" 2>&1 </dev/null &
     wait $!
     code=$?
     rm -rf "${scratch:?}/$kind-$name"
-    read -r p f s < <(count "$log")
+    read -r p f s < <(count "$log" || echo 0 0 0) # no log, no test
     # An exit code without a failed line is a crash, a leak or a time-out; no line at all is no test.
     local why=
     if [ "$code" -eq 124 ] || [ "$code" -eq 137 ]; then

@@ -453,8 +453,8 @@ static void a_program_that_is_not_there_is_named(void **state) {
 /* Limits hold in the real child too. */
 static void memory_limit_holds(void **state) {
     (void)state;
-#ifdef __SANITIZE_ADDRESS__
-    skip(); /* no limit of address space under the sanitizer */
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    skip(); /* no limit of address space under a sanitizer */
 #endif
     char path[512];
     gw_scene *scene = NULL;

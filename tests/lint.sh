@@ -92,6 +92,23 @@ stray_entries() {
         sort
 }
 
+# What reads from outside and is not in tests/fuzz/decoders.tsv, and what that list names and is not there.
+check_decoders() {
+    local list=tests/fuzz/decoders.tsv readers='gw_file_read\(|gw_yaml_(load|parse)\(|json_load|gzread|[^a-z_](f?gets|getline|s?scanf|fscanf|recv|recvfrom|recvmsg|read)\('
+    local source reads fuzzer
+    find "${layers[@]}" -name '*.c' -exec grep -lE "$readers" {} + | sort | while read -r source; do
+        grep -q "^$source"$'\t' $list || echo "$source reads from outside and is not in $list"
+    done
+    while IFS=$'\t' read -r source reads fuzzer; do
+        case $source in '#'*) continue ;; esac
+        [ -f "$source" ] || echo "$list names $source, which is not there"
+        case $fuzzer in
+        '-: '?*) ;;
+        *) [ -n "$reads" ] && [ -f "tests/fuzz/fuzz_$fuzzer.c" ] || echo "$list: $source has no fuzzer '$fuzzer' and no reason" ;;
+        esac
+    done <$list
+}
+
 check_rules() {
     local below_wall=(base tracking build render)
     report "unfinished work is marked" "$(grep -nHwE 'TO[D]O|FIX[M]E|X[X]X|HAC[K]' "${texts[@]}")"
@@ -111,6 +128,7 @@ check_rules() {
     report "a shader must not carry its own #version" "$(grep -nHE '^[ ]*#[ ]*version' "${shaders[@]}")"
     report "longer than 650 lines" \
         "$(wc -l "${sources[@]}" "${headers[@]}" "${shaders[@]}" | awk '$2 != "total" && $1 > 650')"
+    report "what reads from outside has a fuzzer or a reason" "$(check_decoders)"
     report "a wildcard does not see this shader: they stand one folder deep" "$(find shaders -mindepth 3 -type f)"
 }
 

@@ -3,6 +3,8 @@
 #include "tests/support/check.h"
 
 #include "base/file.h"
+#include "tests/fuzz/profile_entry.h"
+#include "tests/support/mangle.h"
 #include "wall/bench_accuracy.h"
 #include "wall/profile.h"
 
@@ -269,6 +271,13 @@ static void what_is_no_profile_is_refused(void **state) {
     }
 }
 
+static void mangled_profiles_never_break_the_reader(void **state) {
+    (void)state;
+    static const char good[] = "profile: \"mine\"\nabout: \"a\"\nmeasured_by: \"b\"\nmeasured:\n  flip: 0.2\n"
+                               "settings:\n  tau: 0.25\n  sample_block: 1\n  tone: filmic\n";
+    mangle(fuzz_profile, (const uint8_t *)good, sizeof good - 1, 500);
+}
+
 /* Those inside the program: each is read, and stands in the report by its name. */
 static void named_profiles_are_there(void **state) {
     (void)state;
@@ -297,6 +306,7 @@ int main(void) {
         cmocka_unit_test(kept_points_come_back),
         cmocka_unit_test(profiles_come_back),
         cmocka_unit_test(what_is_no_profile_is_refused),
+        cmocka_unit_test(mangled_profiles_never_break_the_reader),
         cmocka_unit_test(named_profiles_are_there),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

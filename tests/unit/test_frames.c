@@ -6,6 +6,8 @@
 #include "tracking/track.h"
 
 #include "base/file.h"
+#include "tests/fuzz/states_entry.h"
+#include "tests/support/random.h"
 #include "wall/frames.h"
 
 #include <math.h>
@@ -285,6 +287,33 @@ static void broken_recordings_are_told_by_line(void **state) {
     remove(path);
 }
 
+static void mangled_recordings_never_break_the_reader(void **state) {
+    (void)state;
+    gw_settings settings;
+    gw_frame_state one;
+    gw_bytes bytes;
+    char path[512];
+    uint64_t random = 11;
+    gw_settings_init(&settings);
+    gw_frame_begin(&one, 0, &settings, 0, GW_DEBUG_NONE);
+    gw_frame_stare(&one, (const double[3]){0, 0, 1000}, (const double[3]){100, 50, 0}, &settings);
+    scratch_path(path, "mangled-states.json");
+    check_ok(gw_states_save(path, &one, 1, &error));
+    check_ok(gw_file_read(path, 1 << 20, &bytes, &error));
+    uint8_t *copy = malloc(bytes.size);
+    assert_non_null(copy);
+    for (int round = 0; round < 1000; round++) {
+        memcpy(copy, bytes.data, bytes.size);
+        for (int change = 0; change < 1 + round % 3; change++)
+            copy[(size_t)(random_unit(&random) * (double)bytes.size)] =
+                (uint8_t) "0123456789-e.,[]{}\"n"[(size_t)(random_unit(&random) * 20)];
+        fuzz_states(copy, round % 4 ? bytes.size : (size_t)(random_unit(&random) * (double)bytes.size), path);
+    }
+    free(copy);
+    gw_bytes_finish(&bytes);
+    remove(path);
+}
+
 /* Samples count up while nothing changes that a pixel depends on, and start again when something does. */
 static void still_views_add_up(void **state) {
     (void)state;
@@ -331,6 +360,7 @@ int main(void) {
         cmocka_unit_test(a_turning_head_is_not_still),
         cmocka_unit_test(a_recording_without_eye_offset_is_mono),
         cmocka_unit_test(broken_recordings_are_told_by_line),
+        cmocka_unit_test(mangled_recordings_never_break_the_reader),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

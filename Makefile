@@ -303,8 +303,10 @@ $(TREE)/tests/fuzz/%: $(TREE)/tests/fuzz/%.o $(ARCHIVE)
 	$(say) LINK $@
 	$(quiet)$(CC) $(LINK_FLAVOUR) -fsanitize=fuzzer $(LDFLAGS) -o $@ $^ $(LIBRARIES)
 
+# Every frame that a test draws, and every device it opens, goes by tests/support/clean_frames.c.
+STRICT := -Wl,--wrap=gw_renderer_frame,--wrap=gw_gl_create
 $(TREE)/tests/%: $(TREE)/tests/%.o $(SUPPORT) $(ARCHIVE)
 	$(say) LINK $@
-	$(quiet)$(CC) $(LINK_FLAVOUR) $(LDFLAGS) -o $@ $^ $(LIBRARIES) -lcmocka $(if $(filter oracle/%,$*),-lembree3)
+	$(quiet)$(CC) $(LINK_FLAVOUR) $(LDFLAGS) $(STRICT) -o $@ $< -Wl,--start-group $(filter %.a,$^) -Wl,--end-group $(LIBRARIES) -lcmocka $(if $(filter oracle/%,$*),-lembree3)
 
 -include $(ALL_OBJECTS:.o=.d)

@@ -267,6 +267,7 @@ gw_code gw_conductor_finish(gw_conductor *conductor, struct gw_rank *rank, gw_er
         gw_tracked_report(conductor->tracked, conductor->report);
     gw_tracked_close(&conductor->tracked);
     gw_report_counters(conductor->report, &conductor->counters);
+    gw_report_faults(&rank->line.log, &conductor->counters);
     const gw_frame_state *last = &conductor->states[gw_kept(conductor, conductor->frame_count - 1)];
     gw_report_predicted_error(conductor->report, &conductor->predicted, last,
                               gw_budget_json(&conductor->budget));

@@ -188,16 +188,42 @@ void gw_report_settings(json_t *report, const gw_settings *settings, const gw_pr
 }
 
 void gw_report_counters(json_t *report, const gw_counters *c) {
-    json_object_set_new(
-        report, "counters",
-        json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "rays",
-                  count(c->rays), "steps", count(c->steps), "node_loads", count(c->node_loads),
-                  "triangle_tests", count(c->triangle_tests), "step_cap_hits", count(c->step_cap_hits),
-                  "nan_pixels", count(c->nan_pixels), "voxels", count(c->voxels), "voxel_rays",
-                  count(c->voxel_rays), "shadow_rays", count(c->shadow_rays), "mirror_rays",
-                  count(c->mirror_rays), "glossy_rays", count(c->glossy_rays), "refracted_rays",
-                  count(c->refracted_rays), "cone_rays", count(c->cone_rays), "resumed", count(c->resumed),
-                  "loop_iterations", count(c->loop_iterations)));
+    const struct {
+        const char *name;
+        uint64_t value;
+    } rows[] = {{"rays", c->rays},
+                {"steps", c->steps},
+                {"node_loads", c->node_loads},
+                {"triangle_tests", c->triangle_tests},
+                {"step_cap_hits", c->step_cap_hits},
+                {"nan_pixels", c->nan_pixels},
+                {"voxels", c->voxels},
+                {"voxel_rays", c->voxel_rays},
+                {"shadow_rays", c->shadow_rays},
+                {"mirror_rays", c->mirror_rays},
+                {"glossy_rays", c->glossy_rays},
+                {"refracted_rays", c->refracted_rays},
+                {"cone_rays", c->cone_rays},
+                {"resumed", c->resumed},
+                {"loop_iterations", c->loop_iterations}};
+    json_t *object = json_object();
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+        json_object_set_new(object, rows[i].name, count(rows[i].value));
+    json_object_set_new(report, "counters", object);
+}
+
+void gw_report_faults(const gw_log *log, const gw_counters *c) {
+    if (c->nan_pixels > 0)
+        gw_log_write(
+            log, GW_LOG_WARNING,
+            "%" PRIu64 " pixels came to no number and show the background: a fault of this program or of "
+            "the driver, not of the scene; the report's effects tell which one to try --forbid-effect with",
+            c->nan_pixels);
+    if (c->step_cap_hits > 0)
+        gw_log_write(log, GW_LOG_WARNING,
+                     "%" PRIu64
+                     " rays were cut off by the driver's limit of loops: what lies behind is missing",
+                     c->step_cap_hits);
 }
 
 void gw_report_predicted_error(json_t *report, const gw_predicted_error *predicted,

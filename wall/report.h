@@ -39,6 +39,8 @@ uint64_t gw_triangle_bytes(const gw_scene *scene);
 /* The settings, and the profile that they started from. */
 void gw_report_settings(json_t *report, const gw_settings *settings, const gw_profile *profile);
 void gw_report_counters(json_t *report, const gw_counters *counters);
+/* Warns of what must never be: pixels that are no numbers, rays that were cut off. */
+void gw_report_faults(const gw_log *log, const gw_counters *counters);
 /* What was predicted over the run, the knobs in force in its last frame, and the budget (taken; may be null).
  */
 void gw_report_predicted_error(json_t *report, const gw_predicted_error *predicted,

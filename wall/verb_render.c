@@ -390,6 +390,7 @@ static gw_code fill_report(render *r, gw_error *error) {
     gw_report_tiles(r->report, &r->view.layout, &whole);
     gw_report_frames(r->report, &r->milliseconds, 1, 1);
     gw_report_counters(r->report, &r->counters);
+    gw_report_faults(&r->console.log, &r->counters);
     gw_report_predicted_error(r->report, &r->predicted, &r->state, json_null());
     gw_report_image(r->report, r->options.out, &r->image);
     if (r->triple)

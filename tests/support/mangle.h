@@ -11,7 +11,7 @@
 typedef void (*mangle_reader)(const uint8_t *data, size_t size);
 
 static inline void mangle_feed(mangle_reader read, const uint8_t *data, size_t size) {
-    uint8_t *exact = malloc(size > 0 ? size : 1);
+    uint8_t *exact = calloc(size > 0 ? size : 1, 1);
     if (!exact)
         abort();
     if (size > 0)

@@ -47,7 +47,7 @@ static void sections_are_filled(void **state) {
     octree.statistics.leaves = 7;
     octree.statistics.inner = 3;
     gw_gl_limits limits = {.vendor = "v", .renderer = "r", .version = "4.5", .software = 1};
-    gw_counters counters = {.rays = 1234567890123};
+    gw_counters counters = {.rays = 1234567890123, .loop_iterations = 77};
     gw_recording track = {.name = path, .duration = 2000000000, .damage = {1, 24, 1, "cut"}};
     gw_settings settings;
     gw_settings_init(&settings);
@@ -85,6 +85,8 @@ static void sections_are_filled(void **state) {
                      10 * (json_int_t)sizeof(gw_node));
     assert_int_equal(json_integer_value(json_object_get(json_object_get(report, "counters"), "rays")),
                      1234567890123);
+    assert_int_equal(
+        json_integer_value(json_object_get(json_object_get(report, "counters"), "loop_iterations")), 77);
     assert_int_equal(json_object_size(json_object_get(report, "settings")), gw_setting_count);
     const json_t *tile = json_array_get(json_object_get(report, "tiles"), 1);
     assert_string_equal(json_string_value(json_object_get(tile, "state")), "lost");
@@ -131,12 +133,32 @@ static void an_image_hash_sees_size_and_pixels(void **state) {
     assert_false(gw_hash_equal(before, gw_image_hash(&wide)));
 }
 
+static char warnings[1024];
+
+static void keep_warning(void *context, gw_log_level level, const char *text) {
+    (void)context;
+    assert_int_equal(level, GW_LOG_WARNING);
+    strncat(warnings, text, sizeof warnings - strlen(warnings) - 1);
+}
+
+static void faults_are_warned_of(void **state) {
+    (void)state;
+    const gw_log log = {.threshold = GW_LOG_WARNING, .line = keep_warning};
+    warnings[0] = '\0';
+    gw_report_faults(&log, &(gw_counters){.rays = 5});
+    assert_string_equal(warnings, "");
+    gw_report_faults(&log, &(gw_counters){.nan_pixels = 3, .step_cap_hits = 4});
+    assert_non_null(strstr(warnings, "3 pixels came to no number"));
+    assert_non_null(strstr(warnings, "4 rays were cut off"));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(keys_are_all_there_and_null),
         cmocka_unit_test(sections_are_filled),
         cmocka_unit_test(spreads),
         cmocka_unit_test(an_image_hash_sees_size_and_pixels),
+        cmocka_unit_test(faults_are_warned_of),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

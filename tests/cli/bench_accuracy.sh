@@ -62,19 +62,19 @@ rows = {r["value"]: float(r["flicker"]) for r in csv.DictReader(open(sys.argv[1]
 print(rows["16"] == 0 < rows["4"] < rows["1"] < 0.5)' "$folder/moving/accuracy.csv")" True
 
 # Ctrl-C at whatever moment: what was written is whole, and the next run goes on where it was.
-interrupted() { # SECONDS
+interrupted() { # SECONDS POINTS
     "$program" bench accuracy "$folder/sheet.obj" "${small[@]}" --out "$folder/interrupted" --quiet 2>/dev/null </dev/null &
     local run=$!
-    # The first point, then so long.
+    # More points than before, then so long.
     for _ in $(seq 300); do
-        [ -s "$folder/interrupted/sheet/points.jsonl" ] && break
+        [ "$(cat "$folder/interrupted/sheet/points.jsonl" 2>/dev/null | wc -l)" -gt "$2" ] && break
         sleep 0.1
     done
     sleep "$1"
     kill -INT $run
     wait $run 2>/dev/null
-    is "Ctrl-C $1 s after the first point: exit code" $? 130
-    is "Ctrl-C $1 s after the first point: whole lines, whole pictures, nothing beside them" "$(python3 -c 'import glob, json, os, sys, zlib
+    is "Ctrl-C $1 s after a point: exit code" $? 130
+    is "Ctrl-C $1 s after a point: whole lines, whole pictures, nothing beside them" "$(python3 -c 'import glob, json, os, sys, zlib
 folder = sys.argv[1]
 for line in open(folder + "/sheet/points.jsonl"):
     assert line.endswith("\n") and len(json.loads(line)["key"]) == 32, line
@@ -88,9 +88,9 @@ for path in glob.glob(folder + "/sheet/*.png"):
     assert end == b"IEND" and at == len(data), path
 print(sorted({os.path.splitext(f)[1] for _, _, files in os.walk(folder) for f in files} - {".png", ".jsonl"}))' "$folder/interrupted")" "[]"
 }
-interrupted 0.1
+interrupted 0.1 0
 kept=$(wc -l <"$folder/interrupted/sheet/points.jsonl")
-interrupted 0.3
+interrupted 0.3 "$kept"
 is "Ctrl-C: the second run kept what the first had, and more" "$([ "$(wc -l <"$folder/interrupted/sheet/points.jsonl")" -gt "$kept" ] && echo more)" more
 has "Ctrl-C: a third run has it" "$(ledger "$folder/interrupted" --knob tau)" "known before"
 is "Ctrl-C: and measures nothing twice" "$(cut -c1-42 "$folder/interrupted/sheet/points.jsonl" | sort | uniq -d | wc -l)" 0

@@ -67,7 +67,7 @@ interrupted() { # SECONDS POINTS
     local run=$!
     # More points than before, then so long.
     for _ in $(seq 300); do
-        [ "$(cat "$folder/interrupted/sheet/points.jsonl" 2>/dev/null | wc -l)" -gt "$2" ] && break
+        [ "$(grep -sc '' "$folder/interrupted/sheet/points.jsonl")" -gt "$2" ] 2>/dev/null && break
         sleep 0.1
     done
     sleep "$1"
